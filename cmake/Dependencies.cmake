@@ -1,0 +1,24 @@
+# Everything comes from Debian 12 (packages.txt). ITK is found in apps/morgagni-import alone: the
+# import process is the only one that links it.
+find_package(Eigen3 3.4 REQUIRED)
+find_package(TBB REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(nlohmann_json 3.11 REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(nanoflann REQUIRED)
+find_package(meshoptimizer REQUIRED)
+find_package(PNG REQUIRED)
+find_package(OpenSSL REQUIRED COMPONENTS Crypto)
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(EGL REQUIRED IMPORTED_TARGET epoxy egl)
+pkg_check_modules(GSTREAMER REQUIRED IMPORTED_TARGET
+                  gstreamer-1.0 gstreamer-app-1.0 gstreamer-video-1.0 gstreamer-webrtc-1.0 gstreamer-sdp-1.0)
+pkg_check_modules(SOUP REQUIRED IMPORTED_TARGET libsoup-3.0)
+find_library(YUV_LIBRARY yuv REQUIRED)
+
+if(MORGAGNI_BUILD_TESTS)
+  find_package(GTest REQUIRED)
+endif()
+if(MORGAGNI_BUILD_BENCHMARKS)
+  find_package(benchmark REQUIRED)
+endif()

@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <string_view>
+
+#include <Eigen/Geometry>
+
+#include "morgagni/core/image.h"
+#include "morgagni/core/result.h"
+#include "morgagni/geometry/pinhole_camera.h"
+#include "morgagni/geometry/triangle_mesh.h"
+
+namespace mor {
+
+/// How a range camera sees: two pinholes and the way between them.
+struct RgbdCalibration {
+  PinholeCamera depth;
+  PinholeCamera color;
+  Eigen::Isometry3d color_from_depth = Eigen::Isometry3d::Identity();
+};
+
+/// One moment of a range camera. Depth and colour stay as the sensor gave them.
+struct RgbdFrame {
+  std::uint64_t frame_id = 0;  ///< Counts from 0; of a looped recording, the number within it.
+  std::chrono::steady_clock::time_point captured_at;
+  Image<std::uint16_t> depth_mm;  ///< 0 = no reading.
+  Image<Rgb8> color;
+  std::shared_ptr<const RgbdCalibration> calibration;
+};
+
+/// A source of frames. Recordings and the simulation are ordinary cameras.
+class RangeCamera {
+ public:
+  virtual ~RangeCamera() = default;
+
+  /// Waits for the next frame. A null pointer: the recording has ended, or `stop` was requested.
+  /// @errors kDevice, kIo: this frame could not be had; the caller may ask again.
+  [[nodiscard]] virtual Result<std::shared_ptr<const RgbdFrame>> next_frame(
+      std::stop_token stop) = 0;
+
+  [[nodiscard]] virtual const RgbdCalibration& calibration() const = 0;
+};
+
+/// Opens a camera by its name:
+///   `simulated:[key=value,...]`  see SimulatedCameraOptions;
+///   `tum:DIR[,loop=1][,speed=real|full]`  a recording in the TUM RGB-D layout.
+/// @param skin  The case's skin, which only the simulated camera looks at.
+/// @errors kInvalidArgument (unknown kind, key or value: names it and what is allowed), kNotFound,
+/// kIo.
+[[nodiscard]] Result<std::unique_ptr<RangeCamera>> open_camera(
+    const std::string& name, std::shared_ptr<const TriangleMesh> skin);
+
+}  // namespace mor

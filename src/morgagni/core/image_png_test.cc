@@ -1,0 +1,66 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/core/image_png.h"
+
+#include <span>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "morgagni/core/files.h"
+
+namespace mor {
+namespace {
+
+using testing::HasSubstr;
+
+std::filesystem::path scratch(const std::string& name) {
+  return std::filesystem::path(testing::TempDir()) / name;
+}
+
+template <class T>
+std::filesystem::path store(const Image<T>& image, const std::string& name) {
+  const auto path = scratch(name);
+  EXPECT_TRUE(write_file(path, encode_png(image.view())));
+  return path;
+}
+
+Image<std::uint16_t> ramp() {
+  Image<std::uint16_t> image(7, 5);
+  for (int y = 0; y < 5; ++y) {
+    for (int x = 0; x < 7; ++x) image(x, y) = static_cast<std::uint16_t>(1000 * y + 257 * x);
+  }
+  return image;
+}
+
+TEST(Png, KeepsDepthToTheLastBit) {
+  const auto read = read_png_gray16(store(ramp(), "ramp.png"));
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(*read, ramp());
+}
+
+TEST(Png, KeepsColour) {
+  Image<Rgb8> image(3, 2, {10, 200, 30});
+  image(2, 1) = {1, 2, 3};
+  const auto read = read_png_rgb(store(image, "rgb.png"));
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(*read, image);
+}
+
+TEST(Png, RefusesColourWhereDepthIsExpected) {
+  const auto read = read_png_gray16(store(Image<Rgb8>(3, 2), "not_depth.png"));
+  ASSERT_FALSE(read);
+  EXPECT_THAT(read.error().message, HasSubstr("16-bit grey"));
+}
+
+TEST(Png, SaysThatATruncatedFileEndsTooEarly) {
+  const auto bytes = encode_png(ramp().view());
+  const auto path = scratch("cut.png");
+  ASSERT_TRUE(write_file(path, std::span(bytes).first(bytes.size() / 2)));
+  const auto read = read_png_gray16(path);
+  ASSERT_FALSE(read);
+  EXPECT_THAT(read.error().message, HasSubstr("cut.png"));
+}
+
+}  // namespace
+}  // namespace mor

@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "morgagni/core/image.h"
+#include "morgagni/core/result.h"
+#include "morgagni/geometry/pinhole_camera.h"
+#include "morgagni/geometry/point_cloud.h"
+#include "morgagni/geometry/triangle_mesh.h"
+
+namespace mor {
+
+struct BodySurfaceOptions {
+  double near_mm = 0.0;       ///< d_near: nearer readings are dropped. >= 0.
+  double far_mm = 1000.0;     ///< d_far: farther readings are dropped. > near_mm.
+  double max_edge_mm = 10.0;  ///< d_triangulation: neighbours farther apart are not connected. > 0.
+  double down_sampling = 2.5;  ///< Every so many pixels, both ways, fractions allowed. [1, 4].
+
+  [[nodiscard]] Result<void> check() const;
+};
+
+/// The moving surface: what the camera sees of the body, frame depth, mm.
+struct BodySurface {
+  PointCloud cloud;                 ///< Normals towards the camera.
+  std::vector<Triangle> triangles;  ///< Over `cloud`, counter-clockwise seen from the camera.
+};
+
+/// The paper's "preprocessing and automatic depth data segmentation": clip, back-project,
+/// triangulate over the 8-neighbourhood without edges longer than max_edge_mm, keep the part grown
+/// from the image centre (from the nearest valid pixel where the centre has no reading).
+class BodySurfaceExtractor {
+ public:
+  /// @errors kInvalidArgument: bad camera or options.
+  [[nodiscard]] static Result<BodySurfaceExtractor> create(const PinholeCamera& depth_camera,
+                                                           const BodySurfaceOptions& options);
+  BodySurfaceExtractor(BodySurfaceExtractor&&) noexcept;
+  BodySurfaceExtractor& operator=(BodySurfaceExtractor&&) noexcept;
+  ~BodySurfaceExtractor();
+
+  /// @param depth_mm  Size of the camera's pictures; 0 = no reading.
+  /// @return An empty surface where nothing is in range: no body in view is not an error.
+  /// @errors kInvalidArgument: a size unlike the camera's.
+  /// @threads One call at a time: keeps its buffers between frames.
+  /// @cost < 4 ms at 640x480 on one thread, at any down-sampling.
+  [[nodiscard]] Result<BodySurface> extract(ImageView<const std::uint16_t> depth_mm);
+
+ private:
+  struct Impl;
+  explicit BodySurfaceExtractor(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace mor
