@@ -1,0 +1,166 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/casefile/prepare.h"
+
+#include <chrono>
+#include <ctime>
+#include <map>
+#include <string>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/fmt/chrono.h>
+#include <spdlog/fmt/fmt.h>
+
+#include "morgagni/casefile/case.h"
+#include "morgagni/casefile/internal/case_format.h"
+#include "morgagni/casefile/pending_folder.h"
+#include "morgagni/core/files.h"
+#include "morgagni/core/version.h"
+#include "morgagni/ct/volume_import.h"
+#include "morgagni/geometry/triangle_mesh_io.h"
+#include "morgagni/registration/distance_field.h"
+
+namespace mor {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using Clock = std::chrono::steady_clock;
+
+const Eigen::Vector3d kBoneColor(0.93, 0.89, 0.78);
+
+double seconds_between(Clock::time_point start, Clock::time_point end) {
+  return std::chrono::duration<double>(end - start).count();
+}
+
+Json to_json(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+Json to_json(const PrepareOptions& options) {
+  const auto& skin = options.skin;
+  const auto& bone = options.bone;
+  return {{"skin",
+           {{"threshold_hu", skin.threshold_hu},
+            {"upper_hu", skin.upper_hu},
+            {"closing_mm", skin.closing_mm},
+            {"num_vertices", skin.num_vertices},
+            {"sub_sampling", skin.sub_sampling},
+            {"gradation", skin.gradation}}},
+          {"bone",
+           {{"threshold_hu", bone.threshold_hu},
+            {"min_component_mm3", bone.min_component_mm3},
+            {"num_triangles", bone.num_triangles}}}};
+}
+
+Eigen::Vector3d center_mm(const Volume& volume) {
+  Eigen::Vector3d middle;
+  for (int axis = 0; axis < 3; ++axis) {
+    middle[axis] =
+        0.5 * (volume.size[static_cast<std::size_t>(axis)] - 1) * volume.spacing_mm[axis];
+  }
+  return volume.ct_from_grid * middle;
+}
+
+/// Which CT this is: read from the voxels, so that it holds for a folder of slices as for one file.
+Json identity(const Volume& volume, const fs::path& source) {
+  Json axes = Json::array();
+  for (int column = 0; column < 3; ++column) {
+    axes.push_back(to_json(Eigen::Vector3d(volume.ct_from_grid.linear().col(column))));
+  }
+  return {{"source", fs::absolute(source).lexically_normal().filename().string()},
+          {"description", volume.description},
+          {"size", volume.size},
+          {"spacing_mm", to_json(volume.spacing_mm)},
+          {"origin_mm", to_json(Eigen::Vector3d(volume.ct_from_grid.translation()))},
+          {"axes", axes},
+          {"center_mm", to_json(center_mm(volume))},
+          {"voxels_sha256", sha256_hex(std::as_bytes(std::span(volume.hu)))}};
+}
+
+Result<void> check_target(const fs::path& folder) {
+  std::error_code status;
+  if (!fs::exists(folder, status) || fs::exists(folder / kCaseFile, status)) return {};
+  if (fs::is_directory(folder, status) && fs::is_empty(folder, status)) return {};
+  return make_error(ErrorCode::kInvalidArgument,
+                    fmt::format("{} exists and is no case (it has no {}): name another folder",
+                                folder.string(),
+                                kCaseFile));
+}
+
+std::string now_utc() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+}
+
+Result<Json> hashes(const fs::path& folder) {
+  std::map<std::string, std::string> by_name;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    MOR_TRY(by_name[entry.path().filename().string()], sha256_hex_of_file(entry.path()));
+  }
+  return Json(by_name);
+}
+
+struct Prepared {
+  TriangleMesh skin;
+  TriangleMesh bone;
+  DistanceField field;
+};
+
+Result<void> write_case(const fs::path& folder, const Prepared& prepared, Json& document) {
+  MOR_CHECK(write_ply(folder / internal::kSkinFile, prepared.skin));
+  MOR_CHECK(write_distance_field(folder / internal::kFieldFile, prepared.field));
+  document["structures"] = Json::array();
+  if (!prepared.bone.empty()) {
+    MOR_CHECK(write_ply(folder / internal::kBoneFile, prepared.bone));
+    document["structures"].push_back(
+        {{"name", "bone"}, {"file", internal::kBoneFile}, {"color", to_json(kBoneColor)}});
+  }
+  MOR_TRY(document["files"], hashes(folder));
+  return write_file(folder / kCaseFile, document.dump(2) + "\n");
+}
+
+}  // namespace
+
+Result<PrepareSummary> prepare_case(const fs::path& ct,
+                                    const fs::path& folder,
+                                    const PrepareOptions& options,
+                                    const Progress& progress) {
+  MOR_CHECK(options.skin.check());
+  MOR_CHECK(options.bone.check());
+  MOR_CHECK(check_target(folder));
+
+  const auto started = Clock::now();
+  MOR_TRY(const Volume volume, import_volume(ct, progress));
+  const auto read = Clock::now();
+
+  MOR_TRY(auto skin, extract_skin(volume, options.skin, progress));
+  MOR_TRY(auto bone, extract_bone(volume, options.bone, progress));
+  progress("distance field", 0.0);
+  MOR_TRY(auto field, DistanceField::build(skin.remeshed));
+  progress("distance field", 1.0);
+
+  PrepareSummary summary;
+  summary.num_skin_vertices = skin.remeshed.vertices.size();
+  summary.num_full_skin_vertices = skin.full.vertices.size();
+  summary.num_bone_triangles = bone.triangles.size();
+
+  progress("write case", 0.0);
+  MOR_TRY(auto pending, PendingFolder::create(folder));
+  Json document = {
+      {"format", internal::kCaseFormat},
+      {"name", fs::absolute(folder / "").lexically_normal().parent_path().filename().string()},
+      {"made_by", fmt::format("Morgagni {}", kVersion)},
+      {"made_at", now_utc()},
+      {"ct", identity(volume, ct)},
+      {"options", to_json(options)}};
+  MOR_CHECK(write_case(
+      pending.path(), {std::move(skin.remeshed), std::move(bone), std::move(field)}, document));
+  MOR_CHECK(pending.commit());
+  progress("write case", 1.0);
+
+  summary.reading_seconds = seconds_between(started, read);
+  summary.seconds = seconds_between(read, Clock::now());
+  return summary;
+}
+
+}  // namespace mor

@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+
+#include "morgagni/core/progress.h"
+#include "morgagni/core/result.h"
+#include "morgagni/ct/surfaces.h"
+
+namespace mor {
+
+struct PrepareOptions {
+  SkinOptions skin;
+  BoneOptions bone;
+};
+
+/// What a preparation made, in numbers for people.
+struct PrepareSummary {
+  std::size_t num_skin_vertices = 0;
+  std::size_t num_full_skin_vertices = 0;
+  std::size_t num_bone_triangles = 0;
+  double seconds = 0.0;  ///< After reading.
+  double reading_seconds = 0.0;
+};
+
+/// From a CT to a case: imports it, takes skin, bone and distance field, and writes the case
+/// folder.
+///
+/// The folder is written aside and put in its place at the end, so that at any moment there is the
+/// old case, or the new one, or none: never half of one. What a killed run left is removed by the
+/// next.
+///
+/// @param ct      DICOM folder, NIfTI, NRRD or MetaImage file.
+/// @param folder  The case. Made, or replaced when it is a case already.
+/// @errors As import_volume and extract_skin; kInvalidArgument: `folder` exists and is no case;
+/// kIo.
+[[nodiscard]] Result<PrepareSummary> prepare_case(const std::filesystem::path& ct,
+                                                  const std::filesystem::path& folder,
+                                                  const PrepareOptions& options,
+                                                  const Progress& progress);
+
+}  // namespace mor
