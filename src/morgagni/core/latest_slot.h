@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
@@ -29,6 +30,15 @@ class LatestSlot {
   [[nodiscard]] std::optional<T> take(std::stop_token stop) {
     std::unique_lock lock(mutex_);
     if (!filled_.wait(lock, stop, [this] { return value_.has_value(); })) return std::nullopt;
+    return std::exchange(value_, std::nullopt);
+  }
+
+  /// The same, but none also when nothing came for `patience`.
+  [[nodiscard]] std::optional<T> take(std::stop_token stop, std::chrono::milliseconds patience) {
+    std::unique_lock lock(mutex_);
+    if (!filled_.wait_for(lock, stop, patience, [this] { return value_.has_value(); })) {
+      return std::nullopt;
+    }
     return std::exchange(value_, std::nullopt);
   }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -31,7 +32,13 @@ struct LandmarkStart {
 /// The side of the body that faces the camera.
 enum class BodySide : std::uint8_t { kAnterior, kPosterior, kLeft, kRight };
 
+/// "anterior", "posterior", "left", "right". None for another word.
+[[nodiscard]] std::optional<BodySide> parse_body_side(std::string_view name);
+
 struct PlacementOptions {
+  static constexpr double kMinDistanceMm = 100.0;
+  static constexpr double kMaxDistanceMm = 3000.0;
+
   double distance_mm =
       600.0;  ///< From the camera to the nearest point of the body on its axis. 100..3000.
   BodySide side = BodySide::kAnterior;  ///< Turned towards the camera.

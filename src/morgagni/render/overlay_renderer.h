@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,7 @@ struct OverlayView {
   std::optional<Eigen::Isometry3d> color_from_ct;  ///< None: the plain colour picture.
   float opacity = 0.75F;                           ///< Of the structures in the hole, 0..1.
   Hole hole;
+  std::set<std::string> hidden;  ///< Names of the structures that are not drawn.
   std::optional<Eigen::Isometry3d>
       color_from_ghost;  ///< Where the CT skin is drawn as a ghost to be met (start by placement).
 };

@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "options.h"
+
+#include <spdlog/fmt/fmt.h>
+
+namespace mor {
+
+void add_depth_options(CLI::App& command, BodySurfaceOptions& options) {
+  command.add_option("--near-mm", options.near_mm, "Depth: nearer readings are dropped")
+      ->capture_default_str();
+  command.add_option("--far-mm", options.far_mm, "Depth: farther readings are dropped")
+      ->capture_default_str();
+  command
+      .add_option(
+          "--max-edge-mm", options.max_edge_mm, "Depth: neighbours farther apart are not connected")
+      ->capture_default_str();
+  command
+      .add_option("--down-sampling", options.down_sampling, "Depth: every so many pixels, 1 to 4")
+      ->capture_default_str();
+}
+
+Result<RegistrationMethod> method_option(const std::string& name) {
+  if (const auto method = parse_registration_method(name)) return *method;
+  return make_error(ErrorCode::kInvalidArgument,
+                    fmt::format("--method must be field, icp or trimmed-icp, got \"{}\"", name));
+}
+
+Result<BodySide> side_option(const std::string& name) {
+  if (const auto side = parse_body_side(name)) return *side;
+  return make_error(
+      ErrorCode::kInvalidArgument,
+      fmt::format("--start-side must be anterior, posterior, left or right, got \"{}\"", name));
+}
+
+}  // namespace mor

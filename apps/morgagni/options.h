@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "morgagni/core/result.h"
+#include "morgagni/depth/body_surface.h"
+#include "morgagni/registration/fine_registration.h"
+#include "morgagni/registration/start.h"
+
+namespace mor {
+
+/// --near-mm, --far-mm, --max-edge-mm, --down-sampling.
+void add_depth_options(CLI::App& command, BodySurfaceOptions& options);
+
+/// @errors kInvalidArgument: another word than the known ones.
+[[nodiscard]] Result<RegistrationMethod> method_option(const std::string& name);
+[[nodiscard]] Result<BodySide> side_option(const std::string& name);
+
+}  // namespace mor

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <filesystem>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <spdlog/fmt/fmt.h>
+
+#include "morgagni/casefile/prepare.h"
+
+#include "commands.h"
+#include "exit.h"
+
+namespace mor {
+namespace {
+
+struct Arguments {
+  std::filesystem::path ct;
+  std::filesystem::path folder;
+  PrepareOptions options;
+};
+
+void prepare(const Arguments& arguments) {
+  const auto summary = value_or_exit(
+      prepare_case(arguments.ct, arguments.folder, arguments.options, console_progress()));
+  fmt::print(
+      "{}: skin of {} vertices (from {}), bones of {} triangles; read in {:.1f} s, prepared in "
+      "{:.1f} s\n",
+      arguments.folder.string(),
+      summary.num_skin_vertices,
+      summary.num_full_skin_vertices,
+      summary.num_bone_triangles,
+      summary.reading_seconds,
+      summary.seconds);
+}
+
+}  // namespace
+
+void add_prepare_command(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  auto* command =
+      app.add_subcommand("prepare", "Make a case from a CT: skin, bones, distance field");
+  command->add_option("CT", arguments->ct, "DICOM folder, or a NIfTI, NRRD or MetaImage file")
+      ->required();
+  command
+      ->add_option("--case", arguments->folder, "Folder of the case; replaced if it is one already")
+      ->required();
+  auto& skin = arguments->options.skin;
+  auto& bone = arguments->options.bone;
+  command->add_option("--vertices", skin.num_vertices, "Vertices of the remeshed skin")
+      ->capture_default_str();
+  command->add_option("--threshold-hu", skin.threshold_hu, "Skin: body is at or above")
+      ->capture_default_str();
+  command->add_option("--upper-hu", skin.upper_hu, "Skin: body is at or below")
+      ->capture_default_str();
+  command->add_option("--closing-mm", skin.closing_mm, "Skin: radius of the closing")
+      ->capture_default_str();
+  command->add_option("--sub-sampling", skin.sub_sampling, "Remeshing: input vertices per cluster")
+      ->capture_default_str();
+  command
+      ->add_option("--gradation", skin.gradation, "Remeshing: 0 uniform, larger follows curvature")
+      ->capture_default_str();
+  command->add_option("--bone-hu", bone.threshold_hu, "Bone is at or above")->capture_default_str();
+  command->add_option("--bone-triangles", bone.num_triangles, "Triangles of the bones")
+      ->capture_default_str();
+  command->footer(
+      "Examples:\n"
+      "  morgagni prepare /media/cd/DICOM --case cases/0815\n"
+      "  morgagni prepare head.nii.gz --case cases/head --threshold-hu -250");
+  command->callback([arguments] { prepare(*arguments); });
+}
+
+}  // namespace mor

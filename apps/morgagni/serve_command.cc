@@ -1,0 +1,126 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include "morgagni/casefile/case.h"
+#include "morgagni/core/log.h"
+#include "morgagni/session/live_session.h"
+
+#include "commands.h"
+#include "exit.h"
+#include "options.h"
+
+namespace mor {
+namespace {
+
+struct Arguments {
+  std::filesystem::path folder;
+  std::string camera = "simulated:";
+  std::string method = "field";
+  std::string side = "anterior";
+  int lost_after_ms = 2000;
+  LiveSessionOptions options;
+};
+
+/// The page as built: beside the program in the build tree.
+std::filesystem::path default_web_root() {
+  std::error_code status;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", status);
+  return program.parent_path() / ".." / "web";
+}
+
+void wait_for_signal() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  int signal = 0;
+  sigwait(&signals, &signal);
+}
+
+/// Before any thread starts, so that none but wait_for_signal() takes them.
+void block_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+}
+
+void serve(Arguments& arguments) {
+  auto& options = arguments.options;
+  options.camera_name = arguments.camera;
+  options.loop.registration.method = value_or_exit(method_option(arguments.method));
+  options.loop.placement.side = value_or_exit(side_option(arguments.side));
+  options.loop.tracking.lost_after = std::chrono::milliseconds(arguments.lost_after_ms);
+  if (options.server.web_root.empty()) options.server.web_root = default_web_root();
+  block_signals();
+  auto body = value_or_exit(load_case(arguments.folder));
+  const auto skin = std::shared_ptr<const TriangleMesh>(body.skin, &body.skin->mesh);
+  auto camera = value_or_exit(open_camera(arguments.camera, skin));
+  const auto name = body.name;
+  const auto session =
+      value_or_exit(LiveSession::start(std::move(body), std::move(camera), options));
+  fmt::print(
+      "Case {} is live at http://127.0.0.1:{}/  (stop with Ctrl-C)\n", name, session->port());
+  std::fflush(stdout);
+  wait_for_signal();
+  log::info("stopping");
+}
+
+}  // namespace
+
+void add_serve_command(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  auto* command = app.add_subcommand("serve", "Show a case live in the browser");
+  auto& loop = arguments->options.loop;
+  auto& server = arguments->options.server;
+  command->add_option("--case", arguments->folder, "Folder that `morgagni prepare` made")
+      ->required();
+  command
+      ->add_option("--camera",
+                   arguments->camera,
+                   "simulated:[key=value,...] or tum:DIR[,loop=1][,speed=full]")
+      ->capture_default_str();
+  command->add_option("--port", server.port, "On 127.0.0.1; 0 takes a free one")
+      ->capture_default_str();
+  command->add_option("--web", server.web_root, "The built page")->type_name("DIR");
+  command->add_option("--bitrate-kbps", server.bitrate_kbps, "Of the VP8 stream")
+      ->capture_default_str();
+  command->add_option("--method", arguments->method, "field, icp or trimmed-icp")
+      ->capture_default_str();
+  add_depth_options(*command, loop.depth);
+  command
+      ->add_option("--alpha",
+                   loop.tracking.residual_ratio,
+                   "Frames with a residual above alpha times that of the start are skipped")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--lost-after-ms", arguments->lost_after_ms, "Without a valid frame the tracking is lost")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--start-distance-mm", loop.placement.distance_mm, "Start: distance of the placed body")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--start-side",
+          arguments->side,
+          "Start: side of the body that faces the camera: anterior, posterior, left, right")
+      ->capture_default_str();
+  command->footer(
+      "Examples:\n"
+      "  morgagni serve --case cases/0815 --camera simulated:\n"
+      "  morgagni serve --case cases/head --camera tum:recordings/head,loop=1 --port 9000");
+  command->callback([arguments] { serve(*arguments); });
+}
+
+}  // namespace mor

@@ -1,0 +1,54 @@
+# Shared by ./run and ./test: what is missing is installed, then everything is built. Sourced, not run.
+
+readonly BUILD=build/release
+
+say() { printf '\033[1m==> %s\033[0m\n' "$*"; }
+
+as_root() {
+  if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
+}
+
+# The packages of packages.txt that are not installed. Node.js may come from elsewhere than Debian.
+missing_packages() {
+  local package
+  sed -e 's/#.*//' -e '/^\s*$/d' packages.txt | while read -r package; do
+    case $package in
+      nodejs) command -v node >/dev/null && continue ;;
+      npm) command -v npm >/dev/null && continue ;;
+    esac
+    dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null | grep -qx installed || echo "$package"
+  done
+}
+
+install_packages() {
+  local missing
+  missing=$(missing_packages)
+  [ -n "$missing" ] || return 0
+  say "Installing from Debian:" $missing
+  as_root apt-get update -qq
+  as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing
+}
+
+build_program() {
+  say "Building the program"
+  cmake --preset release >"$BUILD.configure.log" 2>&1 || { cat "$BUILD.configure.log"; return 1; }
+  cmake --build --preset release
+}
+
+build_page() {
+  if [ ! -e web/node_modules/.package-lock.json ] || [ web/package-lock.json -nt web/node_modules/.package-lock.json ]; then
+    say "Installing the page's packages from npm"
+    (cd web && npm ci --no-audit --no-fund)
+  fi
+  if [ ! -e "$BUILD/web/index.html" ] || [ -n "$(find web -path web/node_modules -prune -o -type f -newer "$BUILD/web/index.html" -print -quit)" ]; then
+    say "Building the page"
+    (cd web && npm run --silent build -- --outDir "../$BUILD/web" --emptyOutDir)
+  fi
+}
+
+set_up() {
+  install_packages
+  mkdir -p build
+  build_program
+  build_page
+}

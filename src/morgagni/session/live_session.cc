@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/session/live_session.h"
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+#include "morgagni/session/live_api.h"
+
+namespace mor {
+namespace {
+
+constexpr std::chrono::milliseconds kStatusPeriod{200};
+
+class Session final : public LiveSession {
+ public:
+  Session(std::shared_ptr<LiveLoop> loop,
+          std::unique_ptr<LiveServer> server,
+          const LiveSessionOptions& options)
+      : loop_(std::move(loop)),
+        server_(std::move(server)),
+        method_(to_string(options.loop.registration.method)),
+        camera_name_(options.camera_name),
+        status_thread_([this](std::stop_token stop) { report(stop); }) {}
+
+  std::uint16_t port() const override { return server_->port(); }
+  LiveStatus status() const override { return loop_->status(); }
+  LiveServerStats stream_stats() const override { return server_->stats(); }
+
+ private:
+  void report(std::stop_token stop) {
+    std::mutex mutex;
+    std::condition_variable_any tick;
+    std::unique_lock lock(mutex);
+    while (!stop.stop_requested()) {
+      server_->publish_status(
+          status_json(loop_->status(), loop_->view(), server_->stats(), method_, camera_name_));
+      tick.wait_for(lock, stop, kStatusPeriod, [] { return false; });
+    }
+  }
+
+  // The loop draws into the server and the server's routes command the loop. The routes hold the
+  // loop, so the loop's threads are stopped first, by ~Session.
+  std::shared_ptr<LiveLoop> loop_;
+  std::unique_ptr<LiveServer> server_;
+  std::string_view method_;
+  std::string camera_name_;
+  std::jthread status_thread_;
+
+ public:
+  ~Session() override {
+    status_thread_ = {};
+    loop_->stop();
+  }
+};
+
+}  // namespace
+
+Result<std::unique_ptr<LiveSession>> LiveSession::start(Case body,
+                                                        std::unique_ptr<RangeCamera> camera,
+                                                        const LiveSessionOptions& options) {
+  const auto shared_body = std::make_shared<const Case>(std::move(body));
+  MOR_TRY(std::shared_ptr<LiveLoop> loop,
+          LiveLoop::create(shared_body, std::move(camera), options.loop));
+  MOR_TRY(auto server,
+          LiveServer::start(options.server,
+                            make_live_routes(shared_body, loop, options.loop.placement)));
+  MOR_CHECK(
+      loop->run([sink = server.get()](ImageView<const Rgba8> picture, const PictureInfo& info) {
+        sink->show(picture, info);
+      }));
+  return std::make_unique<Session>(std::move(loop), std::move(server), options);
+}
+
+}  // namespace mor
