@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+
+#include "morgagni/core/result.h"
+
+#include "messages.h"
+
+namespace mor::import {
+
+/// Reads a NIfTI, NRRD or MetaImage file as HU. @errors As import_volume().
+[[nodiscard]] Result<ImportedVolume> read_image_file(const std::filesystem::path& path);
+
+}  // namespace mor::import

@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace mor {
+
+/// What `morgagni-import` hands back to the process that started it. The voxels go through a memory
+/// file on `kImportVoxelsFd`: an ImportHeader, then size[0] * size[1] * size[2] int16 HU values.
+/// Everything that is said goes through a pipe on `kImportMessagesFd`, a line each, the first
+/// character telling which:
+///   p FRACTION        progress, 0 to 1
+///   f NAME            the file that is read now, so that a crash can be blamed on it
+///   n SENTENCE        a note: something was skipped or changed
+///   e CODE SENTENCE   why there is no volume; CODE is an ErrorCode as a number
+inline constexpr int kImportMessagesFd = 3;
+inline constexpr int kImportVoxelsFd = 4;
+inline constexpr std::array<char, 8> kImportMagic = {'M', 'O', 'R', 'V', 'O', 'L', '0', '1'};
+
+inline constexpr int kMaxVolumeSide = 2048;                 ///< Voxels.
+inline constexpr std::int64_t kMaxVolumeBytes = 2LL << 30;  ///< Of int16 voxels.
+
+struct ImportHeader {
+  std::array<char, 8> magic{};
+  std::array<std::int32_t, 4> size{};  ///< x, y, z; the fourth is zero.
+  std::array<double, 3> spacing_mm{};
+  std::array<double, 3> origin_mm{};    ///< Centre of the first voxel, LPS.
+  std::array<double, 9> axes{};         ///< LPS unit vectors of grid x, then y, then z.
+  std::array<char, 256> description{};  ///< One line, ends with zero.
+};
+static_assert(sizeof(ImportHeader) == 8 + 16 + 24 + 24 + 72 + 256);
+
+}  // namespace mor

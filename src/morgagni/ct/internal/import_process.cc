@@ -1,0 +1,252 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/ct/internal/import_process.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <csignal>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "morgagni/core/log.h"
+#include "morgagni/ct/import_protocol.h"
+#include "morgagni/ct/internal/volume_header.h"
+
+namespace mor::internal {
+namespace {
+
+constexpr std::string_view kStage = "read CT";
+constexpr std::size_t kMaxLineBytes = 4096;
+constexpr int kMaxNotes = 20;
+
+/// A file descriptor that closes itself.
+class Fd {
+ public:
+  explicit Fd(int fd = -1) : fd_(fd) {}
+  Fd(const Fd&) = delete;
+  Fd& operator=(const Fd&) = delete;
+  ~Fd() { reset(); }
+  void reset() {
+    if (fd_ >= 0) ::close(fd_);
+    fd_ = -1;
+  }
+  [[nodiscard]] int get() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+/// The same file on a number that the two fixed ones of the protocol cannot overwrite.
+int above_the_fixed_ones(int fd) {
+  const Fd original(fd);
+  return ::fcntl(fd, F_DUPFD_CLOEXEC, kImportVoxelsFd + 1);
+}
+
+/// What the child has said so far.
+struct Talk {
+  std::string pending;
+  std::string current_file;
+  std::optional<Error> error;
+  int num_notes = 0;
+  bool broken = false;
+};
+
+Error error_of(std::string_view text) {
+  int code = 0;
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), code);
+  const std::size_t start = static_cast<std::size_t>(parsed.ptr - text.data());
+  if (parsed.ec != std::errc() || code < 0 || code > static_cast<int>(ErrorCode::kInternal))
+    return {ErrorCode::kIo, std::string(text)};
+  return {static_cast<ErrorCode>(code), std::string(text.substr(std::min(start + 1, text.size())))};
+}
+
+void hear_line(std::string_view line, Talk& talk, const Progress& progress) {
+  if (line.size() < 3 || line[1] != ' ') return;
+  const std::string_view text = line.substr(2);
+  if (line[0] == 'p') {
+    double fraction = 0.0;
+    if (std::from_chars(text.data(), text.data() + text.size(), fraction).ec == std::errc() &&
+        fraction >= 0.0 && fraction < 1.0 && progress)
+      progress(kStage, fraction);
+  } else if (line[0] == 'f') {
+    talk.current_file = text;
+  } else if (line[0] == 'n') {
+    if (++talk.num_notes <= kMaxNotes) log::warn("{}", text);
+  } else if (line[0] == 'e' && !talk.error) {
+    talk.error = error_of(text);
+  }
+}
+
+void hear(std::string_view bytes, Talk& talk, const Progress& progress) {
+  talk.pending += bytes;
+  std::size_t start = 0;
+  for (std::size_t end; (end = talk.pending.find('\n', start)) != std::string::npos;
+       start = end + 1)
+    hear_line(std::string_view(talk.pending).substr(start, end - start), talk, progress);
+  talk.pending.erase(0, start);
+  if (talk.pending.size() > kMaxLineBytes) talk.broken = true;
+}
+
+/// Reads the pipe until the child closes it. False when the time is over.
+bool listen_to_child(int pipe_fd,
+                     std::chrono::steady_clock::time_point deadline,
+                     Talk& talk,
+                     const Progress& progress) {
+  std::array<char, 4096> buffer;
+  while (!talk.broken) {
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
+        deadline - std::chrono::steady_clock::now());
+    if (left.count() <= 0) return false;
+    pollfd waiting{pipe_fd, POLLIN, 0};
+    const int ready = ::poll(&waiting, 1, static_cast<int>(std::min<long>(left.count(), 60000)));
+    if (ready <= 0) continue;
+    const ssize_t num_bytes = ::read(pipe_fd, buffer.data(), buffer.size());
+    if (num_bytes == 0 || (num_bytes < 0 && errno != EINTR)) break;
+    if (num_bytes > 0) hear({buffer.data(), static_cast<std::size_t>(num_bytes)}, talk, progress);
+  }
+  return true;
+}
+
+/// Starts the program with only the three standard streams (to nowhere), the pipe and the memory
+/// file: nothing else that this process has open is inherited.
+Result<pid_t> spawn(const std::filesystem::path& program,
+                    const std::filesystem::path& path,
+                    int messages_fd,
+                    int voxels_fd) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDWR, 0);
+  posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_RDWR, 0);
+  posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_RDWR, 0);
+  posix_spawn_file_actions_adddup2(&actions, messages_fd, kImportMessagesFd);
+  posix_spawn_file_actions_adddup2(&actions, voxels_fd, kImportVoxelsFd);
+  posix_spawn_file_actions_addclosefrom_np(&actions, kImportVoxelsFd + 1);
+  std::string program_text = program.string();
+  std::string path_text = path.string();
+  std::array<char*, 3> arguments = {program_text.data(), path_text.data(), nullptr};
+  pid_t child = -1;
+  const int failure =
+      ::posix_spawn(&child, program_text.c_str(), &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failure != 0) {
+    return make_error(
+        ErrorCode::kIo,
+        "cannot start " + program_text + ": " + std::generic_category().message(failure));
+  }
+  return child;
+}
+
+int wait_for(pid_t child) {
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return status;
+}
+
+bool read_exactly(int fd, void* into, std::size_t num_bytes, off_t offset) {
+  auto* bytes = static_cast<char*>(into);
+  while (num_bytes > 0) {
+    const ssize_t got = ::pread(fd, bytes, num_bytes, offset);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return false;
+    bytes += got;
+    offset += got;
+    num_bytes -= static_cast<std::size_t>(got);
+  }
+  return true;
+}
+
+Result<Volume> take_volume(int voxels_fd) {
+  ImportHeader header;
+  if (!read_exactly(voxels_fd, &header, sizeof(header), 0))
+    return make_error(ErrorCode::kIo, "the import process gave no volume");
+  MOR_TRY(Volume volume, volume_from_header(header));
+  const std::size_t num_voxels = static_cast<std::size_t>(volume.size[0]) *
+                                 static_cast<std::size_t>(volume.size[1]) *
+                                 static_cast<std::size_t>(volume.size[2]);
+  struct stat info {};
+  if (::fstat(voxels_fd, &info) != 0 ||
+      static_cast<std::size_t>(info.st_size) != sizeof(header) + num_voxels * sizeof(std::int16_t))
+    return make_error(ErrorCode::kIo, "the import process gave a volume of the wrong length");
+  volume.hu.resize(num_voxels);
+  if (!read_exactly(voxels_fd, volume.hu.data(), num_voxels * sizeof(std::int16_t), sizeof(header)))
+    return make_error(ErrorCode::kIo, "the import process gave a volume of the wrong length");
+  make_right_handed(volume);
+  return volume;
+}
+
+Error death_of_child(int status, const Talk& talk, const std::filesystem::path& path) {
+  std::string how = "ended with code " + std::to_string(WEXITSTATUS(status));
+  if (WIFSIGNALED(status)) {
+    const int signal = WTERMSIG(status);
+    how = std::string("died (") + ::strsignal(signal) +
+          (signal == SIGXCPU ? ", its time limit" : "") + ")";
+  }
+  const std::string what = talk.current_file.empty() ? path.string() : talk.current_file;
+  return {ErrorCode::kIo,
+          "the import process " + how + " while reading " + what + ": the file may be damaged"};
+}
+
+}  // namespace
+
+Result<std::filesystem::path> find_import_program() {
+  std::error_code failure;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", failure);
+  if (failure) return make_error(ErrorCode::kInternal, "cannot find the running program's folder");
+  const auto folder = self.parent_path();
+  for (const auto& candidate :
+       {folder / "morgagni-import", folder.parent_path() / "bin" / "morgagni-import"}) {
+    if (::access(candidate.c_str(), X_OK) == 0) return candidate;
+  }
+  return make_error(ErrorCode::kNotFound,
+                    "morgagni-import is not beside " + self.string() + ": build or install it");
+}
+
+Result<Volume> run_import_process(const std::filesystem::path& program,
+                                  const std::filesystem::path& path,
+                                  std::chrono::seconds time_limit,
+                                  const Progress& progress) {
+  std::array<int, 2> pipe_fds{};
+  if (::pipe2(pipe_fds.data(), O_CLOEXEC) != 0)
+    return make_error(ErrorCode::kIo, "cannot open a pipe to the import process");
+  const Fd messages(pipe_fds[0]);
+  Fd messages_of_child(above_the_fixed_ones(pipe_fds[1]));
+  const Fd voxels(above_the_fixed_ones(::memfd_create("morgagni-import", MFD_CLOEXEC)));
+  if (messages_of_child.get() < 0 || voxels.get() < 0)
+    return make_error(ErrorCode::kIo, "cannot make a memory file for the import process");
+
+  MOR_TRY(const pid_t child, spawn(program, path, messages_of_child.get(), voxels.get()));
+  messages_of_child.reset();
+  Talk talk;
+  const auto deadline = std::chrono::steady_clock::now() + time_limit;
+  const bool in_time = listen_to_child(messages.get(), deadline, talk, progress);
+  if (!in_time || talk.broken) ::kill(child, SIGKILL);
+  const int status = wait_for(child);
+  if (!in_time) {
+    return make_error(ErrorCode::kTimeout,
+                      "reading " + path.string() + " took longer than " +
+                          std::to_string(time_limit.count()) + " s");
+  }
+  if (talk.error) return tl::unexpected<Error>(*talk.error);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    return tl::unexpected<Error>(death_of_child(status, talk, path));
+  MOR_TRY(Volume volume, take_volume(voxels.get()));
+  if (talk.num_notes > kMaxNotes) log::warn("{} more notes", talk.num_notes - kMaxNotes);
+  if (progress) progress(kStage, 1.0);
+  return volume;
+}
+
+}  // namespace mor::internal

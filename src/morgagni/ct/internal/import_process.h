@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+
+#include "morgagni/core/progress.h"
+#include "morgagni/core/result.h"
+#include "morgagni/ct/volume.h"
+
+namespace mor::internal {
+
+/// `morgagni-import` beside the running program, or in the folder `bin` beside that folder.
+[[nodiscard]] Result<std::filesystem::path> find_import_program();
+
+/// Runs `program` on `path` and takes over the volume it hands back (import_protocol.h), believing
+/// nothing: sizes, numbers and lengths are checked here again.
+/// @errors What the program says; kIo when it dies, lies or falls silent; kTimeout after
+/// `time_limit`.
+[[nodiscard]] Result<Volume> run_import_process(const std::filesystem::path& program,
+                                                const std::filesystem::path& path,
+                                                std::chrono::seconds time_limit,
+                                                const Progress& progress);
+
+}  // namespace mor::internal
