@@ -262,7 +262,10 @@ class Loop final : public LiveLoop {
 
   OverlayView overlay_view(const TrackedFrame& shown, const ViewSettings& view) const {
     const auto& [depth_camera, color_camera, color_from_depth] = *shown.frame->calibration;
-    OverlayView overlay{.color_camera = color_camera, .opacity = view.opacity, .hole = view.hole};
+    OverlayView overlay;
+    overlay.color_camera = color_camera;
+    overlay.opacity = view.opacity;
+    overlay.hole = view.hole;
     if (shown.ct_from_depth)
       overlay.color_from_ct = color_from_depth * shown.ct_from_depth->inverse();
     if (shown.ct_from_ghost)

@@ -1,0 +1,252 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/session/live_loop.h"
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "morgagni/casefile/prepare.h"
+#include "morgagni/casefile/testing/synthetic_ct.h"
+#include "morgagni/session/live_api.h"
+
+namespace mor {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using std::chrono::seconds;
+using testing::HasSubstr;
+
+std::shared_ptr<const Case> synthetic_case() {
+  static const auto kCase = [] {
+    const fs::path place = fs::path(testing::TempDir()) / "live_loop_test";
+    fs::create_directories(place);
+    testing_ct::write_synthetic_ct(place / "egg.mha");
+    PrepareOptions options;
+    options.skin.num_vertices = 4000;
+    options.bone.num_triangles = 2000;
+    const auto made = prepare_case(place / "egg.mha", place / "case", options, [](auto, auto) {});
+    EXPECT_TRUE(made) << made.error().message;
+    return std::make_shared<const Case>(load_case(place / "case").value());
+  }();
+  return kCase;
+}
+
+/// Gives what it is told, to see what the loop makes of it.
+class ToldCamera final : public RangeCamera {
+ public:
+  using Frame = Result<std::shared_ptr<const RgbdFrame>>;
+  explicit ToldCamera(std::function<Frame(std::stop_token)> tell) : tell_(std::move(tell)) {}
+  Frame next_frame(std::stop_token stop) override { return tell_(stop); }
+  const RgbdCalibration& calibration() const override { return calibration_; }
+
+ private:
+  std::function<Frame(std::stop_token)> tell_;
+  RgbdCalibration calibration_{
+      {160, 120, 130.0, 130.0, 79.5, 59.5, {}}, {160, 120, 130.0, 130.0, 79.5, 59.5, {}}, {}};
+};
+
+class LiveLoopTest : public testing::Test {
+ protected:
+  void start(std::unique_ptr<RangeCamera> camera) {
+    auto made = LiveLoop::create(synthetic_case(), std::move(camera), {});
+    ASSERT_TRUE(made) << made.error().message;
+    loop_ = *std::move(made);
+    for (auto& route : make_live_routes(synthetic_case(), loop_, {})) {
+      routes_[route.method + " " + route.path] = route.handler;
+    }
+    const auto running =
+        loop_->run([this](ImageView<const Rgba8> picture, const PictureInfo& info) {
+          const std::lock_guard lock(mutex_);
+          ++num_pictures_;
+          last_info_ = Json::parse(info.json);
+          last_width_ = picture.width();
+        });
+    ASSERT_TRUE(running) << running.error().message;
+  }
+
+  void start_simulated() {
+    const auto body = synthetic_case();
+    auto camera = open_camera("simulated:",
+                              std::shared_ptr<const TriangleMesh>(body->skin, &body->skin->mesh));
+    ASSERT_TRUE(camera) << camera.error().message;
+    start(*std::move(camera));
+  }
+
+  void TearDown() override {
+    if (loop_) loop_->stop();
+  }
+
+  /// Waits, generously: a loaded machine is no failure.
+  bool eventually(const std::function<bool()>& holds) const {
+    const auto end = std::chrono::steady_clock::now() + seconds(20);
+    while (std::chrono::steady_clock::now() < end) {
+      if (holds()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return false;
+  }
+
+  bool tracks() const {
+    return eventually([this] { return loop_->status().last.state == TrackingState::kTracking; });
+  }
+
+  HttpResponse ask(const std::string& what,
+                   const std::string& body = {},
+                   std::map<std::string, std::string> query = {}) {
+    const auto route = routes_.find(what);
+    if (route == routes_.end()) return {404, "", what};
+    return route->second({what.substr(what.find(' ') + 1), std::move(query), body});
+  }
+
+  std::shared_ptr<LiveLoop> loop_;
+  std::map<std::string, HttpHandler> routes_;
+  mutable std::mutex mutex_;
+  int num_pictures_ = 0;
+  int last_width_ = 0;
+  Json last_info_;
+};
+
+TEST_F(LiveLoopTest, CatchesThePlacedBodyAndShowsIt) {
+  start_simulated();
+  ASSERT_TRUE(tracks());
+  EXPECT_TRUE(eventually([this] {
+    const std::lock_guard lock(mutex_);
+    return num_pictures_ > 10 && last_info_["state"] == "tracking" && last_width_ == 640;
+  }));
+  EXPECT_FALSE(loop_->snapshot().empty());
+}
+
+TEST_F(LiveLoopTest, AFrozenPictureStaysAndTheViewStillChanges) {
+  start_simulated();
+  ASSERT_TRUE(tracks());
+  EXPECT_EQ(ask("POST /api/freeze", R"({"frozen": true})").status, 200);
+  ASSERT_TRUE(eventually([this] {
+    const std::lock_guard lock(mutex_);
+    return last_info_["frozen"] == true;
+  }));
+  const auto before = loop_->snapshot();
+  EXPECT_EQ(ask("POST /api/view", R"({"opacity": 0})").status, 200);
+  EXPECT_TRUE(eventually([&] { return loop_->snapshot() != before; }));
+  const auto without_bone = loop_->snapshot();
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_EQ(loop_->snapshot(), without_bone) << "the frozen picture moved";
+}
+
+TEST_F(LiveLoopTest, LandmarksTappedOnBothViewsStartTheTracking) {
+  start_simulated();
+  ASSERT_TRUE(tracks());
+  ASSERT_EQ(ask("POST /api/landmarks/begin").status, 200);
+  // Taps the live picture, and on the CT the same anatomy: where the pose found by placement has
+  // it.
+  const auto status = loop_->status();
+  Json pairs = Json::array();
+  for (const auto& [x, y] :
+       {std::pair{320, 240}, std::pair{290, 220}, std::pair{345, 265}, std::pair{335, 215}}) {
+    const auto live = ask("POST /api/landmarks/live", Json{{"x", x}, {"y", y}}.dump());
+    ASSERT_EQ(live.status, 200) << live.body;
+    const auto depth = Json::parse(live.body)["depth_mm"].get<std::vector<double>>();
+    const Eigen::Vector3d ct =
+        *status.last.ct_from_depth * Eigen::Vector3d(depth[0], depth[1], depth[2]);
+    pairs.push_back({{"ct_mm", {ct.x(), ct.y(), ct.z()}}, {"depth_mm", depth}});
+  }
+  const std::string body = Json{{"pairs", pairs}}.dump();
+  const auto solved = Json::parse(ask("POST /api/landmarks/solve", body).body);
+  EXPECT_LT(solved["fre_mm"].get<double>(), 20.0);
+  EXPECT_EQ(solved["residuals_mm"].size(), 4U);
+  const auto accepted = ask("POST /api/landmarks/accept", body);
+  EXPECT_EQ(accepted.status, 200) << accepted.body;
+  EXPECT_FALSE(loop_->status().picking_landmarks);
+  EXPECT_TRUE(tracks());
+}
+
+TEST_F(LiveLoopTest, SaysWhatIsWrongWithARequest) {
+  start_simulated();
+  ASSERT_TRUE(tracks());
+  const auto sentence = [this](const std::string& what, const std::string& body) {
+    const auto response = ask(what, body);
+    EXPECT_EQ(response.status, 400) << what;
+    return Json::parse(response.body)["error"].get<std::string>();
+  };
+  EXPECT_THAT(sentence("POST /api/landmarks/live", R"({"x": 1, "y": 2})"), HasSubstr("begin"));
+  EXPECT_THAT(sentence("POST /api/landmarks/solve", R"({"pairs": []})"), HasSubstr("at least 3"));
+  EXPECT_THAT(sentence("POST /api/landmarks/solve", R"({"pairs": [1]})"), HasSubstr("ct_mm"));
+  EXPECT_THAT(sentence("POST /api/landmarks/ct", R"({"x": 1, "y": 1, "yaw": 0, "pitch": 0})"),
+              HasSubstr("no skin"));
+  EXPECT_THAT(sentence("POST /api/landmarks/ct", R"({"x": 1, "y": 1, "width": 1e9})"),
+              HasSubstr("width"));
+  EXPECT_THAT(sentence("POST /api/start/placement", R"({"side": "top"})"), HasSubstr("anterior"));
+  EXPECT_THAT(sentence("POST /api/start/placement", R"({"distance_mm": 1})"), HasSubstr("100"));
+  EXPECT_THAT(sentence("POST /api/freeze", "{}"), HasSubstr("frozen"));
+  EXPECT_THAT(sentence("POST /api/view", "["), HasSubstr("JSON"));
+}
+
+TEST_F(LiveLoopTest, ShowsTheSkinForTheLandmarks) {
+  start_simulated();
+  const auto response =
+      ask("GET /api/skin-view.png", "", {{"yaw", "0.5"}, {"width", "320"}, {"height", "240"}});
+  EXPECT_EQ(response.status, 200);
+  EXPECT_EQ(response.content_type, "image/png");
+  EXPECT_EQ(ask("GET /api/skin-view.png", "", {{"yaw", "front"}}).status, 400);
+}
+
+TEST_F(LiveLoopTest, ACameraThatFailsIsReportedAndAskedAgain) {
+  std::atomic<int> asked = 0;
+  start(std::make_unique<ToldCamera>([&asked](std::stop_token) -> ToldCamera::Frame {
+    ++asked;
+    return make_error(ErrorCode::kDevice, "unplugged");
+  }));
+  EXPECT_TRUE(eventually([&] { return asked > 1; }));
+  EXPECT_THAT(loop_->status().camera_error.value_or(""), HasSubstr("unplugged"));
+}
+
+TEST_F(LiveLoopTest, ACameraThatChangesItsSizeIsReported) {
+  start(std::make_unique<ToldCamera>([](std::stop_token) -> ToldCamera::Frame {
+    auto frame = std::make_shared<RgbdFrame>();
+    frame->depth_mm = Image<std::uint16_t>(40, 30, 500);
+    return frame;
+  }));
+  EXPECT_TRUE(eventually([this] { return loop_->status().camera_error.has_value(); }));
+}
+
+TEST_F(LiveLoopTest, TheEndOfARecordingIsSaid) {
+  start(std::make_unique<ToldCamera>([](std::stop_token) -> ToldCamera::Frame { return nullptr; }));
+  EXPECT_TRUE(
+      eventually([this] { return loop_->status().camera_error == "the recording has ended"; }));
+}
+
+TEST(StatusJson, HasEveryMemberThePageReads) {
+  LiveStatus status;
+  const auto json = Json::parse(status_json(status, {}, {}, "field", "simulated:"));
+  for (const char* member : {"state",
+                             "starting",
+                             "frozen",
+                             "rms_distance_mm",
+                             "e_valid_mm",
+                             "explained_fraction",
+                             "frame_rate",
+                             "latency_ms",
+                             "stage_ms",
+                             "frames",
+                             "method",
+                             "camera",
+                             "camera_error",
+                             "viewers",
+                             "view"}) {
+    EXPECT_TRUE(json.contains(member)) << member;
+  }
+  EXPECT_EQ(json["state"], "waiting");
+  EXPECT_TRUE(json["rms_distance_mm"].is_null());
+}
+
+}  // namespace
+}  // namespace mor
