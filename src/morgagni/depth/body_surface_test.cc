@@ -1,0 +1,237 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/depth/body_surface.h"
+
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace mor {
+namespace {
+
+const PinholeCamera kKinect{640, 480, 525.0, 525.0, 319.5, 239.5, {}};
+
+using DepthImage = Image<std::uint16_t>;
+
+/// Depth where the ray of each pixel meets the plane n . p = d.
+DepthImage plane_image(const PinholeCamera& camera, const Eigen::Vector3d& normal, double d) {
+  DepthImage image(camera.width_px, camera.height_px);
+  for (int y = 0; y < camera.height_px; ++y) {
+    for (int x = 0; x < camera.width_px; ++x) {
+      const Eigen::Vector2d ray = camera.ray({x, y});
+      const double z = d / normal.dot(Eigen::Vector3d(ray.x(), ray.y(), 1.0));
+      if (z > 0.0 && z < 60000.0) image(x, y) = static_cast<std::uint16_t>(std::lround(z));
+    }
+  }
+  return image;
+}
+
+/// Depth of a sphere, 0 around it.
+DepthImage sphere_image(const Eigen::Vector3d& center, double radius_mm) {
+  DepthImage image(kKinect.width_px, kKinect.height_px);
+  for (int y = 0; y < kKinect.height_px; ++y) {
+    for (int x = 0; x < kKinect.width_px; ++x) {
+      const Eigen::Vector2d xy = kKinect.ray({x, y});
+      const Eigen::Vector3d ray(xy.x(), xy.y(), 1.0);
+      const double b = ray.dot(center) / ray.squaredNorm();
+      const double c = (center.squaredNorm() - radius_mm * radius_mm) / ray.squaredNorm();
+      if (b * b > c)
+        image(x, y) = static_cast<std::uint16_t>(std::lround(b - std::sqrt(b * b - c)));
+    }
+  }
+  return image;
+}
+
+BodySurface extract(const DepthImage& image,
+                    const BodySurfaceOptions& options = {},
+                    const PinholeCamera& camera = kKinect) {
+  auto extractor = BodySurfaceExtractor::create(camera, options);
+  EXPECT_TRUE(extractor) << extractor.error().message;
+  auto surface = extractor->extract(image.view());
+  EXPECT_TRUE(surface) << surface.error().message;
+  return *std::move(surface);
+}
+
+double angle_deg(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
+  return std::acos(std::clamp(a.dot(b), -1.0F, 1.0F)) * 180.0 / std::numbers::pi;
+}
+
+TEST(BodySurface, PutsEveryPointOfAPlaneOnThePlaneAtEveryFactor) {
+  const Eigen::Vector3d normal = Eigen::Vector3d(0.3, -0.2, 1.0).normalized();
+  const DepthImage image = plane_image(kKinect, normal, 650.0);
+  for (const double factor : {1.0, 1.7, 2.0, 2.5, 4.0}) {
+    const BodySurface surface = extract(image, {.max_edge_mm = 20.0, .down_sampling = factor});
+    const int columns = static_cast<int>(std::floor(639.49 / factor)) + 1;
+    const int rows = static_cast<int>(std::floor(479.49 / factor)) + 1;
+    EXPECT_EQ(surface.cloud.size(), static_cast<std::size_t>(columns * rows)) << factor;
+    EXPECT_EQ(surface.triangles.size(), static_cast<std::size_t>(2 * (columns - 1) * (rows - 1)));
+    for (const auto& point : surface.cloud.points) {
+      ASSERT_NEAR(normal.cast<float>().dot(point), 650.0F, 0.6F);
+    }
+  }
+}
+
+TEST(BodySurface, TurnsNormalsOfATiltedPlaneToTheCamera) {
+  const Eigen::Vector3d normal = Eigen::Vector3d(0.5, 0.3, 1.0).normalized();
+  const BodySurface surface = extract(plane_image(kKinect, normal, 600.0));
+  double sum_deg = 0.0;
+  double worst_deg = 0.0;
+  for (const auto& found : surface.cloud.normals) {
+    ASSERT_NEAR(found.norm(), 1.0F, 1e-4F);
+    const double off_deg = angle_deg(found, -normal.cast<float>());
+    sum_deg += off_deg;
+    worst_deg = std::max(worst_deg, off_deg);
+  }
+  // Depth comes in whole millimetres; the worst windows are cut by the picture's corners.
+  EXPECT_LT(sum_deg / static_cast<double>(surface.cloud.size()), 1.0);
+  EXPECT_LT(worst_deg, 10.0);
+}
+
+TEST(BodySurface, GivesTheNormalsOfASphere) {
+  const Eigen::Vector3d center(20.0, -10.0, 800.0);
+  const BodySurface surface = extract(sphere_image(center, 120.0));
+  ASSERT_GT(surface.cloud.size(), 2000U);
+  int num_bad = 0;
+  for (std::size_t i = 0; i < surface.cloud.size(); ++i) {
+    const Eigen::Vector3f truth = (surface.cloud.points[i] - center.cast<float>()).normalized();
+    EXPECT_LT(surface.cloud.normals[i].dot(surface.cloud.points[i]), 0.0F);
+    if (angle_deg(surface.cloud.normals[i], truth) > 8.0) ++num_bad;
+  }
+  // At the rim the window is cut and the slope steep.
+  EXPECT_LT(num_bad, static_cast<int>(surface.cloud.size()) / 20);
+}
+
+TEST(BodySurface, FacesTrianglesToTheCameraWithoutRepeatingAny) {
+  const BodySurface surface = extract(sphere_image({0.0, 0.0, 700.0}, 100.0));
+  std::set<Triangle> seen;
+  for (const auto& triangle : surface.triangles) {
+    const Eigen::Vector3f& a = surface.cloud.points.at(triangle[0]);
+    const Eigen::Vector3f& b = surface.cloud.points.at(triangle[1]);
+    const Eigen::Vector3f& c = surface.cloud.points.at(triangle[2]);
+    ASSERT_LT((b - a).cross(c - a).dot(a), 0.0F);
+    ASSERT_LE(std::max({(a - b).norm(), (b - c).norm(), (c - a).norm()}), 10.0F);
+    ASSERT_TRUE(seen.insert(triangle).second);
+  }
+}
+
+TEST(BodySurface, UndoesLensDistortion) {
+  PinholeCamera camera = kKinect;
+  camera.distortion = {0.1, -0.2, 0.001, -0.002, 0.05};
+  const Eigen::Vector3d normal = Eigen::Vector3d(-0.2, 0.4, 1.0).normalized();
+  const BodySurface surface = extract(plane_image(camera, normal, 700.0), {}, camera);
+  for (std::size_t i = 0; i < surface.cloud.size(); ++i) {
+    ASSERT_NEAR(normal.cast<float>().dot(surface.cloud.points[i]), 700.0F, 0.6F);
+    ASSERT_LT(angle_deg(surface.cloud.normals[i], -normal.cast<float>()), 6.0);
+  }
+}
+
+TEST(BodySurface, KeepsOnlyThePartThatHoldsTheCenter) {
+  DepthImage image(640, 480, 900);
+  for (int y = 100; y < 380; ++y) {
+    for (int x = 200; x < 440; ++x) image(x, y) = 700;
+  }
+  const BodySurface surface = extract(image, {.down_sampling = 1.0});
+  EXPECT_EQ(surface.cloud.size(), 280U * 240U);
+  for (const auto& point : surface.cloud.points) ASSERT_EQ(point.z(), 700.0F);
+}
+
+TEST(BodySurface, GrowsFromTheNearestReadingWhereTheCenterHasNone) {
+  DepthImage image(640, 480, 0);
+  for (int y = 200; y < 280; ++y) {
+    for (int x = 350; x < 400; ++x) image(x, y) = 600;  // Nearer to the centre ...
+    for (int x = 100; x < 200; ++x) image(x, y) = 500;  // ... than this.
+  }
+  const BodySurface surface = extract(image, {.down_sampling = 1.0});
+  EXPECT_EQ(surface.cloud.size(), 80U * 50U);
+}
+
+TEST(BodySurface, ConnectsAcrossADiagonalOnly) {
+  DepthImage image(640, 480, 0);
+  image(320, 240) = 600;
+  image(321, 241) = 600;
+  image(319, 241) = 601;
+  image(322, 244) = 600;
+  const BodySurface surface = extract(image, {.down_sampling = 1.0});
+  EXPECT_EQ(surface.cloud.size(), 3U);
+  EXPECT_TRUE(surface.triangles.empty());
+}
+
+TEST(BodySurface, MakesOneTriangleWhereOnlyThreeCornersConnect) {
+  for (int missing = 0; missing < 4; ++missing) {
+    DepthImage image(640, 480, 0);
+    for (int corner = 0; corner < 4; ++corner) {
+      if (corner != missing) image(320 + corner % 2, 240 + corner / 2) = 600;
+    }
+    const BodySurface surface = extract(image, {.down_sampling = 1.0});
+    ASSERT_EQ(surface.cloud.size(), 3U) << missing;
+    ASSERT_EQ(surface.triangles.size(), 1U) << missing;
+    const auto& [a, b, c] = surface.triangles[0];
+    const auto& points = surface.cloud.points;
+    EXPECT_LT((points[b] - points[a]).cross(points[c] - points[a]).z(), 0.0F);
+  }
+}
+
+TEST(BodySurface, ClipsToNearAndFar) {
+  DepthImage image(640, 480, 0);
+  for (int y = 0; y < 480; ++y) {
+    for (int x = 0; x < 640; ++x) image(x, y) = static_cast<std::uint16_t>(400 + y);
+  }
+  const BodySurface surface =
+      extract(image, {.near_mm = 500.0, .far_mm = 700.0, .down_sampling = 1.0});
+  EXPECT_EQ(surface.cloud.size(), 201U * 640U);
+}
+
+TEST(BodySurface, IsEmptyWhereNothingIsInRange) {
+  EXPECT_TRUE(extract(DepthImage(640, 480, 0)).cloud.empty());
+  const BodySurface far_away = extract(DepthImage(640, 480, 5000));
+  EXPECT_TRUE(far_away.cloud.empty());
+  EXPECT_TRUE(far_away.triangles.empty());
+}
+
+TEST(BodySurface, TakesPicturesOfAnySize) {
+  for (const auto& [width, height] : {std::pair(1, 1), std::pair(2, 3), std::pair(1, 9)}) {
+    const PinholeCamera camera{width, height, 500.0, 500.0, 0.5, 0.5, {}};
+    const BodySurface surface =
+        extract(DepthImage(width, height, 500), {.down_sampling = 1.0}, camera);
+    EXPECT_EQ(surface.cloud.size(), static_cast<std::size_t>(width * height));
+  }
+}
+
+TEST(BodySurface, GivesTheSameSurfaceFromUsedBuffers) {
+  auto extractor = *BodySurfaceExtractor::create(kKinect, {});
+  const DepthImage sphere = sphere_image({0.0, 0.0, 700.0}, 100.0);
+  const BodySurface first = *extractor.extract(sphere.view());
+  ASSERT_TRUE(extractor.extract(DepthImage(640, 480, 800).view()));
+  const BodySurface again = *extractor.extract(sphere.view());
+  EXPECT_EQ(first.cloud.points, again.cloud.points);
+  EXPECT_EQ(first.cloud.normals, again.cloud.normals);
+  EXPECT_EQ(first.triangles, again.triangles);
+}
+
+TEST(BodySurface, RefusesBadOptionsNamingValueAndLimit) {
+  const auto message = [](const BodySurfaceOptions& options) {
+    const auto made = BodySurfaceExtractor::create(kKinect, options);
+    return made ? std::string() : made.error().message;
+  };
+  using testing::HasSubstr;
+  EXPECT_THAT(message({.near_mm = -1.0}), HasSubstr("near_mm must be >= 0, got -1"));
+  EXPECT_THAT(message({.near_mm = 500.0, .far_mm = 500.0}), HasSubstr("far_mm"));
+  EXPECT_THAT(message({.far_mm = std::nan("")}), HasSubstr("far_mm"));
+  EXPECT_THAT(message({.max_edge_mm = 0.0}), HasSubstr("max_edge_mm"));
+  EXPECT_THAT(message({.down_sampling = 0.5}), HasSubstr("[1, 4], got 0.5"));
+  EXPECT_THAT(message({.down_sampling = 4.5}), HasSubstr("down_sampling"));
+  EXPECT_FALSE(BodySurfaceExtractor::create(PinholeCamera{}, {}));
+}
+
+TEST(BodySurface, RefusesAnImageOfAnotherSize) {
+  auto extractor = *BodySurfaceExtractor::create(kKinect, {});
+  const auto surface = extractor.extract(DepthImage(320, 240, 500).view());
+  ASSERT_FALSE(surface);
+  EXPECT_THAT(surface.error().message, testing::HasSubstr("320x240"));
+}
+
+}  // namespace
+}  // namespace mor

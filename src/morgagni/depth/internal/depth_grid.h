@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace mor::internal {
+
+/// A down-sampled depth image as points on a grid, row by row, one array a coordinate so that the
+/// compiler can use vector instructions. A pixel without reading has NaN in all three.
+struct DepthGrid {
+  int width = 0;
+  int height = 0;
+  std::vector<float> x, y, z;  ///< mm, frame depth.
+
+  [[nodiscard]] std::size_t size() const { return z.size(); }
+};
+
+/// Bits of `GridEdges`: the neighbours that a pixel is connected to. The other four directions are
+/// the neighbours' own.
+enum GridEdge : std::uint8_t {
+  kRight = 1,
+  kDown = 2,
+  kDownRight = 4,
+  kDownLeft = 8,
+};
+
+/// Which neighbours are at most `max_edge_mm` apart in space.
+void connect_neighbors(const DepthGrid& grid, float max_edge_mm, std::vector<std::uint8_t>& edges);
+
+/// Finds the pixels that are connected with a seed.
+class RegionGrower {
+ public:
+  /// Sets `mask` to 1 where a chain of edges leads from the pixel nearest to the grid's centre that
+  /// has a reading, 0 elsewhere. @return The number of pixels in it; 0 when no pixel has a reading.
+  std::size_t grow_from_center(const DepthGrid& grid,
+                               const std::vector<std::uint8_t>& edges,
+                               std::vector<std::uint8_t>& mask);
+
+ private:
+  std::uint32_t find_root(std::uint32_t run);
+  void unite(std::uint32_t a, std::uint32_t b);
+  void label_runs(const DepthGrid& grid, const std::vector<std::uint8_t>& edges);
+  void join_rows(const DepthGrid& grid, const std::vector<std::uint8_t>& edges);
+
+  std::vector<std::uint32_t> run_of_pixel_;
+  std::vector<std::uint32_t> parent_;
+};
+
+}  // namespace mor::internal
