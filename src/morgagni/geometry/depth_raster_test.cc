@@ -42,7 +42,7 @@ TriangleMesh ball(float radius_mm, unsigned num_rings) {
       const unsigned a = ring * num_columns + column;
       const unsigned b = ring * num_columns + next;
       mesh.triangles.push_back({a, a + num_columns, b});
-      mesh.triangles.push_back({b, a + num_columns, b - column + column + num_columns});
+      mesh.triangles.push_back({b, a + num_columns, b + num_columns});
     }
   }
   return mesh;
@@ -189,6 +189,20 @@ TEST(DepthRaster, DropsWhatIsBehindOrTouchesTheCamera) {
   for (std::size_t i = 0; i < raster.depth_mm.size(); ++i) {
     ASSERT_EQ(raster.depth_mm.data()[i], 0.0F);
     ASSERT_EQ(raster.triangle_idx.data()[i], DepthRaster::kNothing);
+  }
+}
+
+TEST(DepthRaster, FillsPicturesOfAnyWidth) {
+  TriangleMesh mesh;
+  mesh.vertices = {{-900, -900, 500}, {900, -900, 500}, {0, 900, 500}};
+  mesh.triangles = {{0, 1, 2}};
+  for (int width = 1; width < 12; ++width) {
+    PinholeCamera camera = kCamera;
+    camera.width_px = width;
+    const auto raster = rasterize_depth(mesh, camera, Eigen::Isometry3d::Identity());
+    ASSERT_EQ(raster.depth_mm.width(), width);
+    ASSERT_EQ(raster.triangle_idx.width(), width);
+    for (int x = 0; x < width; ++x) EXPECT_NEAR(raster.depth_mm(x, 60), 500.0F, 0.01F) << width;
   }
 }
 

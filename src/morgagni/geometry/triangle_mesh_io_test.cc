@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/geometry/triangle_mesh_io.h"
 
+#include <fstream>
 #include <random>
 #include <string>
 
@@ -22,7 +23,7 @@ class Ply : public testing::Test {
   ~Ply() override { fs::remove(path_); }
 
   Result<TriangleMesh> read(const std::string& text) const {
-    EXPECT_TRUE(write_file(path_, text));
+    std::ofstream(path_, std::ios::binary) << text;
     return read_ply(path_);
   }
   std::string error_of(const std::string& text) const {
