@@ -33,13 +33,13 @@ struct Hole {
 };
 
 struct OverlayView {
-  PinholeCamera color_camera;                      ///< Of the colour picture; with its distortion.
-  std::optional<Eigen::Isometry3d> color_from_ct;  ///< None: the plain colour picture.
-  float opacity = 0.75F;                           ///< Of the structures in the hole, 0..1.
-  Hole hole;
-  std::set<std::string> hidden;  ///< Names of the structures that are not drawn.
-  std::optional<Eigen::Isometry3d>
-      color_from_ghost;  ///< Where the CT skin is drawn as a ghost to be met (start by placement).
+  PinholeCamera color_camera;  ///< Of the colour picture; with its distortion.
+  std::optional<Eigen::Isometry3d> color_from_ct = {};  ///< None: the plain colour picture.
+  float opacity = 0.75F;                                ///< Of the structures in the hole, 0..1.
+  Hole hole = {};
+  std::set<std::string> hidden = {};  ///< Names of the structures that are not drawn.
+  std::optional<Eigen::Isometry3d> color_from_ghost =
+      {};  ///< Where the CT skin is drawn as a ghost to be met (start by placement).
 };
 
 /// Draws the live picture: the colour frame with the inside of the body in its true place.

@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/render/internal/composition.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <libyuv/convert_argb.h>
+
+namespace mor::internal {
+namespace {
+
+constexpr float kEverywhereRadius = 2.0F;
+constexpr float kDarkening = 0.60F;     ///< Of the picture in the hole at opacity 1.
+constexpr float kRimDarkening = 0.82F;  ///< At its rim, as if the hole had a wall.
+constexpr float kWallWidth = 2.5F;      ///< Times the rim's width.
+constexpr float kRingHalfWidthPx = 1.3F;
+constexpr float kRingStrength = 0.55F;
+
+/// Exactly a * b / 255, rounded, for a, b in 0..255.
+constexpr unsigned share(unsigned a, unsigned b) {
+  const unsigned t = a * b + 128U;
+  return (t + (t >> 8U)) >> 8U;
+}
+
+float smooth_step(float low, float high, float value) {
+  if (high <= low) return value < low ? 0.0F : 1.0F;
+  const float t = std::clamp((value - low) / (high - low), 0.0F, 1.0F);
+  return t * t * (3.0F - 2.0F * t);
+}
+
+std::uint8_t to_byte(float share_of_one) {
+  return static_cast<std::uint8_t>(std::lround(std::clamp(share_of_one, 0.0F, 1.0F) * 255.0F));
+}
+
+/// Distances in px from the hole's centre.
+struct HoleShape {
+  float radius_px;
+  float rim_px;
+};
+
+HoleMask::Weights weights_at(float distance_px, const HoleShape& shape, float opacity) {
+  const float half_rim = 0.5F * shape.rim_px;
+  const float inside =
+      1.0F - smooth_step(shape.radius_px - half_rim, shape.radius_px + half_rim, distance_px);
+  const float wall = smooth_step(
+      shape.radius_px - kWallWidth * shape.rim_px - half_rim, shape.radius_px, distance_px);
+  const float dark = kDarkening + (kRimDarkening - kDarkening) * wall;
+  const float from_ring = std::abs(distance_px - shape.radius_px - half_rim) / kRingHalfWidthPx;
+  const float ring = std::max(0.0F, 1.0F - from_ring) * kRingStrength;
+  return {
+      to_byte(inside * opacity), to_byte(1.0F - inside * opacity * dark), to_byte(ring * opacity)};
+}
+
+/// One coordinate of a box: the whole pixels around [middle - reach, middle + reach], in [0, size).
+std::pair<int, int> covered(float middle, float reach, int size) {
+  const float limit = static_cast<float>(size);
+  const int first = static_cast<int>(std::clamp(std::floor(middle - reach), 0.0F, limit));
+  const int end = static_cast<int>(std::clamp(std::ceil(middle + reach) + 1.0F, 0.0F, limit));
+  return {first, end - first};
+}
+
+bool same(const Hole& a, const Hole& b) {
+  return a.center == b.center && a.radius == b.radius && a.rim == b.rim;
+}
+
+}  // namespace
+
+void HoleMask::update(const Hole& hole, float opacity, int picture_width, int picture_height) {
+  const bool is_current = same(hole, hole_) && opacity == opacity_ &&
+                          picture_width == picture_width_ && picture_height == picture_height_;
+  if (is_current) return;
+  hole_ = hole;
+  opacity_ = opacity;
+  picture_width_ = picture_width;
+  picture_height_ = picture_height;
+  fill(hole, opacity, picture_width, picture_height);
+}
+
+void HoleMask::fill(const Hole& hole, float opacity, int picture_width, int picture_height) {
+  box_ = {};
+  if (hole.radius <= 0.0F || opacity <= 0.0F) return;
+  if (hole.radius >= kEverywhereRadius) {
+    box_ = {0, 0, picture_width, picture_height};
+    const Weights everywhere = weights_at(0.0F, {1e6F, 0.0F}, opacity);
+    weights_.assign(static_cast<std::size_t>(picture_width) * picture_height, everywhere);
+    return;
+  }
+  const auto height = static_cast<float>(picture_height);
+  const HoleShape shape{hole.radius * height, std::max(0.0F, hole.rim) * height};
+  const float center_x = hole.center.x() * static_cast<float>(picture_width) - 0.5F;
+  const float center_y = hole.center.y() * height - 0.5F;
+  const float reach = shape.radius_px + 0.5F * shape.rim_px + kRingHalfWidthPx;
+  std::tie(box_.left, box_.width) = covered(center_x, reach, picture_width);
+  std::tie(box_.top, box_.height) = covered(center_y, reach, picture_height);
+  weights_.clear();
+  if (box_.empty()) return;
+  weights_.reserve(static_cast<std::size_t>(box_.width) * box_.height);
+  for (int y = box_.top; y < box_.top + box_.height; ++y) {
+    for (int x = box_.left; x < box_.left + box_.width; ++x) {
+      const float dx = static_cast<float>(x) - center_x;
+      const float dy = static_cast<float>(y) - center_y;
+      weights_.push_back(weights_at(std::sqrt(dx * dx + dy * dy), shape, opacity));
+    }
+  }
+}
+
+void copy_background(ImageView<const Rgb8> color, ImageView<Rgba8> picture) {
+  // libyuv names bytes from the last one: its "RGB24" to "ARGB" keeps their order and appends
+  // alpha.
+  libyuv::RGB24ToARGB(&color.row(0)->r,
+                      static_cast<int>(color.stride() * 3),
+                      &picture.row(0)->r,
+                      static_cast<int>(picture.stride() * 4),
+                      color.width(),
+                      color.height());
+}
+
+void compose_hole(const HoleMask& mask, const Layer& structures, ImageView<Rgba8> picture) {
+  const PixelBox& box = mask.box();
+  for (int y = box.top; y < box.top + box.height; ++y) {
+    const HoleMask::Weights* weights = mask.row(y);
+    const Rgba8* drawn = structures.row(y);
+    Rgba8* pixels = picture.row(y) + box.left;
+    for (int x = 0; x < box.width; ++x) {
+      const auto [structure, background, ring] = weights[x];
+      const unsigned behind = share(background, 255U - share(drawn[x].a, structure));
+      const auto blend = [&, w = unsigned{structure}, r = unsigned{ring}](unsigned under,
+                                                                          unsigned over) {
+        const unsigned seen = std::min(255U, share(under, behind) + share(over, w));
+        return static_cast<std::uint8_t>(seen + share(255U - seen, r));
+      };
+      pixels[x] = {blend(pixels[x].r, drawn[x].r),
+                   blend(pixels[x].g, drawn[x].g),
+                   blend(pixels[x].b, drawn[x].b),
+                   255};
+    }
+  }
+}
+
+void compose_over(const Layer& layer, ImageView<Rgba8> picture) {
+  const PixelBox& box = layer.box;
+  for (int y = box.top; y < box.top + box.height; ++y) {
+    const Rgba8* drawn = layer.row(y);
+    Rgba8* pixels = picture.row(y) + box.left;
+    for (int x = 0; x < box.width; ++x) {
+      const unsigned behind = 255U - drawn[x].a;
+      const auto blend = [behind](unsigned under, unsigned over) {
+        return static_cast<std::uint8_t>(std::min(255U, share(under, behind) + over));
+      };
+      pixels[x] = {blend(pixels[x].r, drawn[x].r),
+                   blend(pixels[x].g, drawn[x].g),
+                   blend(pixels[x].b, drawn[x].b),
+                   255};
+    }
+  }
+}
+
+}  // namespace mor::internal

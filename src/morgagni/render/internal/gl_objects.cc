@@ -1,0 +1,121 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/render/internal/gl_objects.h"
+
+#include <algorithm>
+#include <array>
+
+#include <spdlog/fmt/fmt.h>
+
+namespace mor::internal {
+namespace {
+
+GlRenderbuffer make_renderbuffer(int num_samples, GLenum format, int width, int height) {
+  GLuint name = 0;
+  glGenRenderbuffers(1, &name);
+  glBindRenderbuffer(GL_RENDERBUFFER, name);
+  glRenderbufferStorageMultisample(GL_RENDERBUFFER, num_samples, format, width, height);
+  return GlRenderbuffer(name);
+}
+
+GlFramebuffer make_framebuffer(const GlRenderbuffer& color, const GlRenderbuffer* depth) {
+  GLuint name = 0;
+  glGenFramebuffers(1, &name);
+  glBindFramebuffer(GL_FRAMEBUFFER, name);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, color.get());
+  if (depth != nullptr) {
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth->get());
+  }
+  return GlFramebuffer(name);
+}
+
+Result<GLuint> compile(GLenum kind, const char* text) {
+  const GLuint shader = glCreateShader(kind);
+  glShaderSource(shader, 1, &text, nullptr);
+  glCompileShader(shader);
+  GLint is_good = GL_FALSE;
+  glGetShaderiv(shader, GL_COMPILE_STATUS, &is_good);
+  if (is_good == GL_TRUE) return shader;
+  std::array<char, 1024> words{};
+  glGetShaderInfoLog(shader, words.size(), nullptr, words.data());
+  glDeleteShader(shader);
+  return make_error(ErrorCode::kDevice,
+                    fmt::format("the OpenGL driver refuses a shader: {}", words.data()));
+}
+
+}  // namespace
+
+GlBuffer make_buffer() {
+  GLuint name = 0;
+  glGenBuffers(1, &name);
+  return GlBuffer(name);
+}
+
+GlVertexArray make_vertex_array() {
+  GLuint name = 0;
+  glGenVertexArrays(1, &name);
+  return GlVertexArray(name);
+}
+
+Result<GlProgram> make_program(const char* vertex_text, const char* fragment_text) {
+  MOR_TRY(const GLuint vertex, compile(GL_VERTEX_SHADER, vertex_text));
+  const auto fragment = compile(GL_FRAGMENT_SHADER, fragment_text);
+  GlProgram program(glCreateProgram());
+  glAttachShader(program.get(), vertex);
+  if (fragment) glAttachShader(program.get(), *fragment);
+  glLinkProgram(program.get());
+  // Attached shaders live until their program goes.
+  glDeleteShader(vertex);
+  if (!fragment) return tl::unexpected<Error>(fragment.error());
+  glDeleteShader(*fragment);
+  GLint is_good = GL_FALSE;
+  glGetProgramiv(program.get(), GL_LINK_STATUS, &is_good);
+  if (is_good == GL_TRUE) return program;
+  std::array<char, 1024> words{};
+  glGetProgramInfoLog(program.get(), words.size(), nullptr, words.data());
+  return make_error(ErrorCode::kDevice,
+                    fmt::format("the OpenGL driver refuses a program: {}", words.data()));
+}
+
+Result<void> RenderTarget::allocate(int width, int height) {
+  width_ = std::max(width, width_);
+  height_ = std::max(height, height_);
+  color_ = make_renderbuffer(num_samples_, GL_RGBA8, width_, height_);
+  depth_ = make_renderbuffer(num_samples_, GL_DEPTH_COMPONENT24, width_, height_);
+  drawn_ = make_framebuffer(color_, &depth_);
+  const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
+  if (status != GL_FRAMEBUFFER_COMPLETE) {
+    const auto error = make_error(
+        ErrorCode::kDevice,
+        fmt::format("OpenGL gives no target of {} x {} px (0x{:x})", width_, height_, status));
+    width_ = 0;
+    height_ = 0;
+    return error;
+  }
+  if (num_samples_ > 1) {
+    resolved_color_ = make_renderbuffer(0, GL_RGBA8, width_, height_);
+    resolved_ = make_framebuffer(resolved_color_, nullptr);
+  }
+  return {};
+}
+
+Result<void> RenderTarget::begin(int width, int height) {
+  if (width > width_ || height > height_) MOR_CHECK(allocate(width, height));
+  glBindFramebuffer(GL_FRAMEBUFFER, drawn_.get());
+  glViewport(0, 0, width, height);
+  glClearColor(0.0F, 0.0F, 0.0F, 0.0F);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  return {};
+}
+
+void RenderTarget::read(int width, int height, void* rgba) {
+  if (num_samples_ > 1) {
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, drawn_.get());
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved_.get());
+    glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved_.get());
+  }
+  glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+}
+
+}  // namespace mor::internal

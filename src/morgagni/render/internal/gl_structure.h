@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include <Eigen/Geometry>
+
+#include "morgagni/geometry/triangle_mesh.h"
+#include "morgagni/render/internal/gl_objects.h"
+
+namespace mor::internal {
+
+/// A surface with fewer triangles and their corners in the order that a device draws fastest.
+/// `normals` are those of the vertices kept.
+[[nodiscard]] TriangleMesh level_of_detail(const TriangleMesh& mesh, std::size_t max_triangles);
+
+/// Every edge has a triangle on both sides, so that no inside can be seen.
+[[nodiscard]] bool is_closed(const TriangleMesh& mesh);
+
+/// A surface on the device. The context must be current where one is made, drawn or destroyed.
+class GlStructure {
+ public:
+  GlStructure(std::string name, const TriangleMesh& mesh, const Eigen::Vector3f& color);
+
+  /// One draw call with the program that is in use.
+  void draw() const;
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const Eigen::Vector3f& color() const { return color_; }
+  [[nodiscard]] const Eigen::AlignedBox3f& bounds() const { return bounds_; }
+
+ private:
+  GlVertexArray vertex_array_;
+  GlBuffer vertices_;
+  GlBuffer indices_;
+  GLsizei num_indices_ = 0;
+  bool is_closed_ = false;
+  std::string name_;
+  Eigen::Vector3f color_;
+  Eigen::AlignedBox3f bounds_;
+};
+
+}  // namespace mor::internal

@@ -1,0 +1,206 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/render/skin_view.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "morgagni/geometry/depth_raster.h"
+
+namespace mor {
+namespace {
+
+constexpr int kMaxSidePx = 4096;
+constexpr double kMinZoom = 0.1;
+constexpr double kMaxZoom = 50.0;
+constexpr double kDistanceInRadii =
+    4.0;                            ///< Far enough to look natural, near enough to be seen around.
+constexpr double kFill = 0.94;      ///< Of the picture's shorter side, at zoom 1.
+constexpr int kSamplesPerSide = 2;  ///< Of a pixel: smooth edges.
+constexpr float kSameSurfaceMm = 6.0F;  ///< Neighbouring pixels farther apart see two surfaces.
+
+const Eigen::Vector3f kBackground(20.0F, 23.0F, 28.0F);
+const Eigen::Vector3f kClay(232.0F, 211.0F, 194.0F);
+/// From the upper left, in the frame of the view (x right, y down, z forward).
+const Eigen::Vector3f kKeyLight = Eigen::Vector3f(-0.45F, -0.60F, -0.66F).normalized();
+
+struct BoundingSphere {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  double radius_mm = 1.0;
+};
+
+BoundingSphere bounding_sphere(const TriangleMesh& mesh) {
+  if (mesh.vertices.empty()) return {};
+  const Eigen::Vector3f center = mesh.bounds().center();
+  float farthest_sq = 1.0F;
+  for (const auto& vertex : mesh.vertices) {
+    farthest_sq = std::max(farthest_sq, (vertex - center).squaredNorm());
+  }
+  return {center.cast<double>(), std::sqrt(static_cast<double>(farthest_sq))};
+}
+
+/// Patient coordinates are LPS: +x the body's left, +y its back, +z its head.
+Eigen::Isometry3d view_from_ct(const SkinViewpoint& viewpoint, const BoundingSphere& body) {
+  const double sin_yaw = std::sin(viewpoint.yaw_rad);
+  const double cos_yaw = std::cos(viewpoint.yaw_rad);
+  const double sin_pitch = std::sin(viewpoint.pitch_rad);
+  const double cos_pitch = std::cos(viewpoint.pitch_rad);
+  const Eigen::Vector3d towards_eye(sin_yaw * cos_pitch, -cos_yaw * cos_pitch, sin_pitch);
+  const Eigen::Vector3d up(-sin_yaw * sin_pitch, cos_yaw * sin_pitch, cos_pitch);
+  Eigen::Matrix3d axes;
+  axes.row(0) = up.cross(towards_eye);
+  axes.row(1) = -up;
+  axes.row(2) = -towards_eye;
+  const Eigen::Vector3d eye = body.center + kDistanceInRadii * body.radius_mm * towards_eye;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = axes;
+  pose.translation() = -(axes * eye);
+  return pose;
+}
+
+PinholeCamera view_camera(const SkinViewpoint& viewpoint) {
+  PinholeCamera camera;
+  camera.width_px = std::clamp(viewpoint.width_px, 1, kMaxSidePx);
+  camera.height_px = std::clamp(viewpoint.height_px, 1, kMaxSidePx);
+  // A sphere's outline is where rays touch it: tan(asin(radius / distance)).
+  const double outline = std::tan(std::asin(1.0 / kDistanceInRadii));
+  const double half_side_px = 0.5 * std::min(camera.width_px, camera.height_px);
+  const double zoom =
+      std::isfinite(viewpoint.zoom) ? std::clamp(viewpoint.zoom, kMinZoom, kMaxZoom) : 1.0;
+  camera.focal_x_px = zoom * kFill * half_side_px / outline;
+  camera.focal_y_px = camera.focal_x_px;
+  camera.center_x_px = 0.5 * (camera.width_px - 1);
+  camera.center_y_px = 0.5 * (camera.height_px - 1);
+  return camera;
+}
+
+/// What shading and interpolation need of a vertex.
+struct ShadedVertex {
+  float x_px = 0.0F;
+  float y_px = 0.0F;
+  float inverse_depth = 0.0F;
+  float light = 0.0F;
+};
+
+float light_at(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) {
+  const float facing = std::abs(normal.dot(point.normalized()));
+  const float key = std::max(0.0F, normal.dot(kKeyLight));
+  const float edge = std::clamp(facing / 0.5F, 0.0F, 1.0F);
+  return std::min(1.0F, 0.16F + 0.40F * facing + 0.44F * key) * (0.60F + 0.40F * edge);
+}
+
+std::vector<ShadedVertex> shaded_vertices(const TriangleMesh& mesh,
+                                          const PinholeCamera& camera,
+                                          const Eigen::Isometry3d& camera_from_mesh) {
+  const bool has_normals = mesh.normals.size() == mesh.vertices.size();
+  const std::vector<Eigen::Vector3f> own =
+      has_normals ? std::vector<Eigen::Vector3f>{} : vertex_normals(mesh);
+  const std::vector<Eigen::Vector3f>& normals = has_normals ? mesh.normals : own;
+  const Eigen::Isometry3f to_camera = camera_from_mesh.cast<float>();
+  const auto focal = static_cast<float>(camera.focal_x_px);
+  std::vector<ShadedVertex> shaded(mesh.vertices.size());
+  for (std::size_t i = 0; i < shaded.size(); ++i) {
+    const Eigen::Vector3f point = to_camera * mesh.vertices[i];
+    const float inverse = 1.0F / std::max(point.z(), 1.0F);
+    shaded[i] = {focal * point.x() * inverse + static_cast<float>(camera.center_x_px),
+                 focal * point.y() * inverse + static_cast<float>(camera.center_y_px),
+                 inverse,
+                 light_at(point, to_camera.linear() * normals[i])};
+  }
+  return shaded;
+}
+
+float cross(const ShadedVertex& a, const ShadedVertex& b, float x, float y) {
+  return (b.x_px - a.x_px) * (y - a.y_px) - (b.y_px - a.y_px) * (x - a.x_px);
+}
+
+/// The light at a pixel inside of a triangle, interpolated with perspective.
+float light_between(const std::array<ShadedVertex, 3>& corners, float x, float y) {
+  const auto& [a, b, c] = corners;
+  const float weight_a = cross(b, c, x, y) * a.inverse_depth;
+  const float weight_b = cross(c, a, x, y) * b.inverse_depth;
+  const float weight_c = cross(a, b, x, y) * c.inverse_depth;
+  const float sum = weight_a + weight_b + weight_c;
+  if (sum == 0.0F) return a.light;
+  return (weight_a * a.light + weight_b * b.light + weight_c * c.light) / sum;
+}
+
+/// Averages the samples of each pixel.
+Image<Rgb8> picture_of(const TriangleMesh& mesh,
+                       const PinholeCamera& camera,
+                       const Eigen::Isometry3d& camera_from_mesh) {
+  const PinholeCamera fine = camera.scaled(kSamplesPerSide);
+  const DepthRaster raster = rasterize_depth(mesh, fine, camera_from_mesh);
+  const std::vector<ShadedVertex> shaded = shaded_vertices(mesh, fine, camera_from_mesh);
+  const auto sample = [&](int x, int y) -> Eigen::Vector3f {
+    const std::uint32_t idx = raster.triangle_idx(x, y);
+    if (idx == DepthRaster::kNothing) return kBackground;
+    const auto& [a, b, c] = mesh.triangles[idx];
+    return kClay * light_between({shaded[a], shaded[b], shaded[c]},
+                                 static_cast<float>(x),
+                                 static_cast<float>(y));
+  };
+  constexpr float kShare = 1.0F / (kSamplesPerSide * kSamplesPerSide);
+  Image<Rgb8> picture(camera.width_px, camera.height_px);
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) {
+      Eigen::Vector3f sum = Eigen::Vector3f::Constant(0.5F);
+      for (int i = 0; i < kSamplesPerSide * kSamplesPerSide; ++i) {
+        sum += kShare * sample(x * kSamplesPerSide + i % kSamplesPerSide,
+                               y * kSamplesPerSide + i / kSamplesPerSide);
+      }
+      picture(x, y) = {static_cast<std::uint8_t>(sum.x()),
+                       static_cast<std::uint8_t>(sum.y()),
+                       static_cast<std::uint8_t>(sum.z())};
+    }
+  }
+  return picture;
+}
+
+/// Depth between four pixels. 1/z is linear across a plane in the picture; where the four see more
+/// than one surface the nearest pixel's own depth holds.
+float depth_at(const Image<float>& depth_mm, const Eigen::Vector2d& pixel, float nearest_mm) {
+  const int x = static_cast<int>(std::floor(pixel.x()));
+  const int y = static_cast<int>(std::floor(pixel.y()));
+  if (!depth_mm.view().contains(x, y) || !depth_mm.view().contains(x + 1, y + 1)) {
+    return nearest_mm;
+  }
+  const std::array<float, 4> around{
+      depth_mm(x, y), depth_mm(x + 1, y), depth_mm(x, y + 1), depth_mm(x + 1, y + 1)};
+  const bool is_one_surface = std::all_of(around.begin(), around.end(), [&](float depth) {
+    return depth > 0.0F && std::abs(depth - nearest_mm) < kSameSurfaceMm;
+  });
+  if (!is_one_surface) return nearest_mm;
+  const auto u = static_cast<float>(pixel.x() - x);
+  const auto v = static_cast<float>(pixel.y() - y);
+  const float upper = (1.0F - u) / around[0] + u / around[1];
+  const float lower = (1.0F - u) / around[2] + u / around[3];
+  return 1.0F / ((1.0F - v) * upper + v * lower);
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector3d> SkinView::ct_point(const Eigen::Vector2d& pixel) const {
+  const bool is_inside = pixel.x() >= -0.5 && pixel.y() >= -0.5 &&
+                         pixel.x() < depth_mm.width() - 0.5 && pixel.y() < depth_mm.height() - 0.5;
+  if (!is_inside) return std::nullopt;  // Not a number neither.
+  const float nearest_mm = depth_mm(static_cast<int>(std::floor(pixel.x() + 0.5)),
+                                    static_cast<int>(std::floor(pixel.y() + 0.5)));
+  if (nearest_mm <= 0.0F) return std::nullopt;
+  const Eigen::Vector3d point =
+      static_cast<double>(depth_at(depth_mm, pixel, nearest_mm)) * camera.ray(pixel).homogeneous();
+  return view_from_ct.inverse() * point;
+}
+
+SkinView draw_skin_view(const TriangleMesh& skin, const SkinViewpoint& viewpoint) {
+  SkinView view;
+  view.camera = view_camera(viewpoint);
+  view.view_from_ct = view_from_ct(viewpoint, bounding_sphere(skin));
+  view.depth_mm = rasterize_depth(skin, view.camera, view.view_from_ct).depth_mm;
+  view.picture = picture_of(skin, view.camera, view.view_from_ct);
+  return view;
+}
+
+}  // namespace mor
