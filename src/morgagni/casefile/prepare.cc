@@ -13,8 +13,8 @@
 
 #include "morgagni/casefile/case.h"
 #include "morgagni/casefile/internal/case_format.h"
-#include "morgagni/casefile/pending_folder.h"
 #include "morgagni/core/files.h"
+#include "morgagni/core/pending_folder.h"
 #include "morgagni/core/version.h"
 #include "morgagni/ct/volume_import.h"
 #include "morgagni/geometry/triangle_mesh_io.h"

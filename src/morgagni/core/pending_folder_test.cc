@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/casefile/pending_folder.h"
+#include "morgagni/core/pending_folder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
