@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include <meshoptimizer.h>
+
+#include "morgagni/ct/internal/body_mask.h"
+#include "morgagni/ct/internal/components.h"
+#include "morgagni/ct/internal/marching_cubes.h"
+#include "morgagni/ct/internal/mesh_links.h"
+#include "morgagni/ct/surfaces.h"
+
+namespace mor {
+namespace {
+
+/// Taubin, "A signal processing approach to fair surface design", 1995: a step inwards, a larger
+/// one outwards, so that stairs vanish and the volume stays.
+constexpr int kSmoothingRounds = 5;
+constexpr float kShrink = 0.5F;
+constexpr float kGrow = -0.53F;
+
+/// Moves every vertex by `factor` of the way to the middle of its neighbours; open borders stay.
+void smooth_step(TriangleMesh& mesh, const internal::MeshLinks& links, float factor) {
+  std::vector<Eigen::Vector3f> sums(mesh.vertices.size(), Eigen::Vector3f::Zero());
+  for (const auto& [a, b] : links.edges()) {
+    sums[a] += mesh.vertices[b];
+    sums[b] += mesh.vertices[a];
+  }
+  for (std::uint32_t i = 0; i < mesh.vertices.size(); ++i) {
+    const std::size_t num_edges = links.edges_at(i).size();
+    if (num_edges == 0 || num_edges != links.triangles_at(i).size()) continue;
+    const Eigen::Vector3f middle = sums[i] / static_cast<float>(num_edges);
+    mesh.vertices[i] += factor * (middle - mesh.vertices[i]);
+  }
+}
+
+void smooth(TriangleMesh& mesh) {
+  const internal::MeshLinks links(mesh);
+  for (int i = 0; i < kSmoothingRounds; ++i) {
+    smooth_step(mesh, links, kShrink);
+    smooth_step(mesh, links, kGrow);
+  }
+}
+
+/// Fewer triangles, in the order in which a graphics card draws them best.
+TriangleMesh simplified(const TriangleMesh& mesh, int num_triangles) {
+  constexpr float kMaxError = 0.05F;  // Of the mesh's extent: the number of triangles decides.
+  const auto* indices = mesh.triangles.front().data();
+  const std::size_t num_indices = 3 * mesh.triangles.size();
+  std::vector<unsigned> kept(num_indices);
+  kept.resize(meshopt_simplify(kept.data(),
+                               indices,
+                               num_indices,
+                               mesh.vertices.front().data(),
+                               mesh.vertices.size(),
+                               sizeof(Eigen::Vector3f),
+                               3 * static_cast<std::size_t>(num_triangles),
+                               kMaxError,
+                               0,
+                               nullptr));
+  meshopt_optimizeVertexCache(kept.data(), kept.data(), kept.size(), mesh.vertices.size());
+  TriangleMesh result;
+  result.vertices.resize(mesh.vertices.size());
+  result.vertices.resize(meshopt_optimizeVertexFetch(result.vertices.data(),
+                                                     kept.data(),
+                                                     kept.size(),
+                                                     mesh.vertices.data(),
+                                                     mesh.vertices.size(),
+                                                     sizeof(Eigen::Vector3f)));
+  for (std::size_t i = 0; i < kept.size(); i += 3)
+    result.triangles.push_back({kept[i], kept[i + 1], kept[i + 2]});
+  return result;
+}
+
+internal::BitMask without_islands(const internal::BitMask& mask,
+                                  const Volume& volume,
+                                  double min_component_mm3) {
+  const internal::Components parts(mask);
+  const double voxel_mm3 = volume.spacing_mm.prod();
+  return parts.select([&](std::size_t i) {
+    return static_cast<double>(parts.parts()[i].num_voxels) * voxel_mm3 >= min_component_mm3;
+  });
+}
+
+}  // namespace
+
+Result<void> BoneOptions::check() const {
+  const auto refuse = [](const std::string& sentence) {
+    return make_error(ErrorCode::kInvalidArgument, sentence);
+  };
+  if (!(threshold_hu > -1024.0 && threshold_hu <= 3071.0))
+    return refuse("bone threshold_hu must be in (-1024, 3071], got " +
+                  std::to_string(threshold_hu));
+  if (!(min_component_mm3 >= 0.0))
+    return refuse("min_component_mm3 must be 0 or more, got " + std::to_string(min_component_mm3));
+  if (num_triangles < 100 || num_triangles > 5000000)
+    return refuse("num_triangles must be in [100, 5000000], got " + std::to_string(num_triangles));
+  return {};
+}
+
+Result<TriangleMesh> extract_bone(const Volume& volume,
+                                  const BoneOptions& options,
+                                  const Progress& progress) {
+  constexpr double kHighestHu = 32767.0;
+  constexpr const char* kStage = "bones";
+  MOR_CHECK(options.check());
+  const auto report = [&](double fraction) {
+    if (progress) progress(kStage, fraction);
+  };
+  report(0.0);
+  MOR_TRY(const auto body, internal::body_mask(volume, {}, {}));
+  auto bone = internal::threshold(volume, options.threshold_hu, kHighestHu);
+  bone &= body;
+  bone = without_islands(bone, volume, options.min_component_mm3);
+  report(0.3);
+  TriangleMesh mesh = internal::marching_cubes(volume, bone, options.threshold_hu);
+  report(0.5);
+  if (!mesh.empty()) {
+    smooth(mesh);
+    report(0.6);
+    mesh = simplified(mesh, options.num_triangles);
+    mesh.normals = vertex_normals(mesh);
+  }
+  report(1.0);
+  return mesh;
+}
+
+}  // namespace mor

@@ -1,0 +1,127 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/ct/internal/body_mask.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "morgagni/ct/internal/components.h"
+
+namespace mor::internal {
+namespace {
+
+/// Half the thickness of what is torn off: more than a table's shell, less than a finger.
+constexpr double kOpeningMm = 5.0;
+/// The opening rounds the skin off; what it took within this distance is skin in any case.
+constexpr double kSkinMm = 2.0;
+/// A part that stands out farther from the body than an ear or a nose does not belong to it.
+constexpr double kFarthestMm = 25.0;
+constexpr double kOneStepMm = 6.25;
+
+/// The largest connected part; empty when the mask is.
+BitMask largest_part(const BitMask& mask) {
+  const Components parts(mask);
+  if (parts.parts().empty()) return mask;
+  const std::size_t largest = parts.largest();
+  return parts.select([&](std::size_t i) { return i == largest; });
+}
+
+/// The mask's neighbourhood of one voxel.
+BitMask grown_by_a_voxel(const BitMask& mask) {
+  return dilated(mask, 1.0, Eigen::Vector3d::Ones());
+}
+
+BitMask grown_far(BitMask mask, double distance_mm, const Eigen::Vector3d& spacing_mm) {
+  for (; distance_mm > 0.0; distance_mm -= kOneStepMm)
+    mask = dilated(mask, std::min(distance_mm, kOneStepMm), spacing_mm);
+  return mask;
+}
+
+/// Air that does not reach the sides of the volume and whose walls are the body's: lungs and
+/// bowel, but not the hollow of a table top.
+BitMask air_inside(const BitMask& mask, const BitMask& core, const Eigen::Vector3d& spacing_mm) {
+  BitMask air = mask;
+  air.invert();
+  const Components pockets(air);
+  BitMask walls = grown_by_a_voxel(mask);
+  const auto wall_voxels = pockets.overlap(walls);
+  walls &= dilated(core, kOpeningMm + kSkinMm, spacing_mm);
+  const auto body_wall_voxels = pockets.overlap(walls);
+  return pockets.select([&](std::size_t i) {
+    return !pockets.parts()[i].at_side && 2 * body_wall_voxels[i] > wall_voxels[i];
+  });
+}
+
+/// The solid mask without what only leans on the body.
+BitMask without_what_leans_on(const BitMask& solid, const Eigen::Vector3d& spacing_mm) {
+  const BitMask core = largest_part(opened(solid, kOpeningMm, spacing_mm));
+  BitMask body = dilated(core, kSkinMm, spacing_mm);
+  body &= solid;
+  BitMask rest = solid;
+  rest.subtract(body);
+  const Components parts(rest);
+  const auto touching = parts.overlap(grown_by_a_voxel(body));
+  const auto near = parts.overlap(grown_far(core, kFarthestMm, spacing_mm));
+  body |= parts.select(
+      [&](std::size_t i) { return touching[i] > 0 && near[i] == parts.parts()[i].num_voxels; });
+  return body;
+}
+
+/// Everything that air from the sides cannot reach.
+BitMask filled(const BitMask& mask) {
+  BitMask air = mask;
+  air.invert();
+  const Components pockets(air);
+  BitMask result = pockets.select([&](std::size_t i) { return pockets.parts()[i].at_side; });
+  result.invert();
+  return result;
+}
+
+Result<void> check_air(const BitMask& body, const Volume& volume, double threshold_hu) {
+  const std::size_t num_inside = body.count();
+  if (num_inside > 0 && num_inside < volume.num_voxels()) return {};
+  return make_error(ErrorCode::kInvalidArgument,
+                    "there is no air around the body at the threshold " +
+                        std::to_string(static_cast<int>(threshold_hu)) +
+                        " HU: raise the threshold, or use a CT that shows the skin");
+}
+
+}  // namespace
+
+Result<BitMask> body_mask(const Volume& volume,
+                          const BodyMaskOptions& options,
+                          const Progress& progress) {
+  const auto report = [&](const char* stage, double fraction) {
+    if (progress) progress(stage, fraction);
+  };
+  report("threshold", 0.0);
+  BitMask mask = threshold(volume, options.threshold_hu, options.upper_hu);
+  if (mask.count() == 0) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      "no voxel lies between " +
+                          std::to_string(static_cast<int>(options.threshold_hu)) + " and " +
+                          std::to_string(static_cast<int>(options.upper_hu)) +
+                          " HU: widen the thresholds, or check that the file is a CT");
+  }
+  MOR_CHECK(check_air(mask, volume, options.threshold_hu));
+  report("threshold", 1.0);
+
+  report("closing", 0.0);
+  mask = closed(mask, options.closing_mm, volume.spacing_mm);
+  report("closing", 1.0);
+
+  report("body", 0.0);
+  const BitMask core = largest_part(opened(mask, kOpeningMm, volume.spacing_mm));
+  report("body", 0.3);
+  mask |= air_inside(mask, core, volume.spacing_mm);
+  report("body", 0.5);
+  mask = without_what_leans_on(mask, volume.spacing_mm);
+  report("body", 0.8);
+  mask = filled(largest_part(mask));
+  MOR_CHECK(check_air(mask, volume, options.threshold_hu));
+  report("body", 1.0);
+  return mask;
+}
+
+}  // namespace mor::internal

@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/ct/surfaces.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "morgagni/ct/acvd.h"
+#include "morgagni/ct/internal/body_mask.h"
+#include "morgagni/ct/internal/marching_cubes.h"
+
+namespace mor {
+
+Result<void> SkinOptions::check() const {
+  const auto refuse = [](const std::string& sentence) {
+    return make_error(ErrorCode::kInvalidArgument, sentence);
+  };
+  if (!(threshold_hu >= -1024.0 && threshold_hu <= 3071.0))
+    return refuse("threshold_hu must be in [-1024, 3071], got " + std::to_string(threshold_hu));
+  if (!(upper_hu > threshold_hu && upper_hu <= 32767.0)) {
+    return refuse("upper_hu must be above threshold_hu (" + std::to_string(threshold_hu) +
+                  ") and at most 32767, got " + std::to_string(upper_hu));
+  }
+  if (!(closing_mm >= 0.0 && closing_mm <= 30.0))
+    return refuse("closing_mm must be in [0, 30], got " + std::to_string(closing_mm));
+  if (num_vertices < 100 || num_vertices > 1000000)
+    return refuse("num_vertices must be in [100, 1000000], got " + std::to_string(num_vertices));
+  return AcvdOptions{num_vertices, sub_sampling, gradation}.check();
+}
+
+Result<SkinSurfaces> extract_skin(const Volume& volume,
+                                  const SkinOptions& options,
+                                  const Progress& progress) {
+  MOR_CHECK(options.check());
+  const internal::BodyMaskOptions body_options = {
+      options.threshold_hu, options.upper_hu, options.closing_mm};
+  MOR_TRY(const auto body, internal::body_mask(volume, body_options, progress));
+  SkinSurfaces surfaces;
+  if (progress) progress("surface", 0.0);
+  surfaces.full = internal::marching_cubes(volume, body, options.threshold_hu);
+  if (progress) progress("surface", 1.0);
+  const AcvdOptions remeshing = {options.num_vertices, options.sub_sampling, options.gradation};
+  MOR_TRY(surfaces.remeshed, remesh_acvd(surfaces.full, remeshing, progress));
+  return surfaces;
+}
+
+}  // namespace mor
