@@ -3,6 +3,7 @@
 import { ClockSync } from './clock_sync';
 import { FrameMeter } from './frame_meter';
 import { asPictureInfo, PictureLog, type PictureInfo } from './picture_log';
+import { sentenceOf } from './server_error';
 
 export type Connection = 'connecting' | 'live' | 'stale' | 'gone';
 
@@ -192,15 +193,4 @@ export class LiveVideo {
 
 function hangUp(resource: string): void {
   fetch(resource, { method: 'DELETE', keepalive: true }).catch(() => undefined);
-}
-
-/** The server's own sentence, if the body has one. */
-export function sentenceOf(body: string): string {
-  try {
-    const { error } = JSON.parse(body) as { error?: unknown };
-    if (typeof error === 'string' && error) return error;
-  } catch {
-    // Not JSON: it does not come from our server.
-  }
-  return 'The server gives no reason.';
 }

@@ -1,12 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-import { grabFrame } from './frame_grabber';
-import { LiveVideo } from './live_video';
+import './style.css';
+import { App } from './app';
 
-const video = document.createElement('video');
-video.muted = true;
-video.playsInline = true;
-document.body.append(video);
-const live = new LiveVideo(video);
-void live.connect();
-Object.assign(window, { morgagni: { live, grabFrame: () => grabFrame(live) } });
+const app = new App();
+document.getElementById('app')?.append(app.element);
+app.start();
+// For tests and the curious: what the page shows, and the pictures with their words.
+Object.assign(window, { morgagni: app.inspection });

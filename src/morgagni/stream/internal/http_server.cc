@@ -18,7 +18,7 @@ constexpr std::string_view kEvents = "/api/events";
 // Scripts and pictures from here only: what a file or a name contains can never run as code.
 constexpr const char* kContentPolicy =
     "default-src 'self'; img-src 'self' blob: data:; media-src 'self' blob:; "
-    "style-src 'self' 'unsafe-inline'; object-src 'none'; base-uri 'none'; frame-ancestors 'none'";
+    "object-src 'none'; base-uri 'none'; frame-ancestors 'none'";
 
 HttpReply method_not_allowed(const std::string& method,
                              const std::string& path,

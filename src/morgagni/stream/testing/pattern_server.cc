@@ -4,6 +4,7 @@
 // A server with a moving test pattern and a session that only remembers what it was told: the
 // page's tests drive the real stream with it, in states that a real session reaches seldom.
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <csignal>
@@ -126,7 +127,10 @@ class PretendedSession {
 
   void remember(mor::ImageView<const mor::Rgba8> picture) {
     const std::lock_guard lock(mutex_);
-    last_png_ = mor::encode_png(picture);
+    last_picture_ = mor::Image<mor::Rgba8>(picture.width(), picture.height());
+    for (int y = 0; y < picture.height(); ++y) {
+      std::copy_n(picture.row(y), picture.width(), &last_picture_(0, y));
+    }
   }
 
  private:
@@ -183,7 +187,8 @@ class PretendedSession {
     for (std::size_t i = 0; i < pairs["pairs"].size(); ++i) residuals.push_back(1.1 + 0.9 * i);
     return ok({{"fre_mm", 2.4}, {"residuals_mm", residuals}});
   }
-  HttpResponse accept(const HttpRequest&) {
+  HttpResponse accept(const HttpRequest& request) {
+    if (const auto solved = solve(request); solved.status != 200) return solved;
     status_.merge_patch({{"starting", nullptr}, {"frozen", false}, {"state", "tracking"}});
     return ok(json::object());
   }
@@ -216,13 +221,15 @@ class PretendedSession {
                                 static_cast<int>(number(request, "height", 480)));
     return png(mor::encode_png(body.view()));
   }
-  HttpResponse snapshot(const HttpRequest&) { return png(last_png_); }
+  HttpResponse snapshot(const HttpRequest&) {
+    return png(mor::encode_png(std::as_const(last_picture_).view()));
+  }
 
   std::mutex mutex_;
   int width_ = 640;
   int height_ = 480;
   bool stalls_ = false;
-  std::vector<std::byte> last_png_;
+  mor::Image<mor::Rgba8> last_picture_;
   json view_ = {{"opacity", 0.75},
                 {"hole_radius", 0.35},
                 {"hole_x", 0.5},
@@ -270,10 +277,12 @@ int main(int argc, char** argv) {
 
   std::optional<mor::testing::TestPattern> pattern;
   std::pair<int, int> size;
+  const auto period =
+      std::chrono::round<Clock::duration>(std::chrono::duration<double>(1.0 / frames_per_s));
   auto next_at = Clock::now();
   for (std::uint32_t frame_id = 1; !stop_requested; ++frame_id) {
-    next_at +=
-        std::chrono::round<Clock::duration>(std::chrono::duration<double>(1.0 / frames_per_s));
+    // A camera does not make up for pictures that it missed.
+    next_at = std::max(next_at + period, Clock::now());
     std::this_thread::sleep_until(next_at);
     if (frame_id % 6 == 0) (*server)->publish_status(session.status((*server)->stats()));
     const auto wish = session.wish();

@@ -1,0 +1,117 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+import { sentenceOf } from './server_error';
+
+export type TrackingState = 'waiting' | 'tracking' | 'skipped' | 'lost';
+export type BodySide = 'anterior' | 'posterior' | 'left' | 'right';
+export type Point3 = [number, number, number];
+
+export interface View {
+  opacity: number;
+  hole_radius: number;
+  hole_x: number;
+  hole_y: number;
+  structures: Record<string, boolean>;
+}
+
+export interface Status {
+  state: TrackingState;
+  starting: 'placement' | 'landmarks' | null;
+  frozen: boolean;
+  rms_distance_mm: number | null;
+  e_valid_mm: number | null;
+  explained_fraction: number | null;
+  frame_rate: number;
+  latency_ms: { median: number; p95: number };
+  stage_ms: Record<string, number>;
+  frames: { tracked: number; skipped: number; lost: number; dropped: number };
+  method: string;
+  camera: string;
+  camera_error: string | null;
+  viewers: number;
+  view: View;
+}
+
+export interface CaseInfo {
+  name: string;
+  structures: { name: string; color: string }[];
+  start_options: { distance_mm: number; min: number; max: number };
+  version: string;
+}
+
+export interface SkinViewpoint {
+  yaw: number;
+  pitch: number;
+  zoom: number;
+  width: number;
+  height: number;
+}
+
+export interface LandmarkPair {
+  ct_mm: Point3;
+  depth_mm: Point3;
+}
+
+export interface LandmarkSolution {
+  fre_mm: number;
+  residuals_mm: number[];
+}
+
+/** Says what to do next, in the server's words. */
+export class ApiError extends Error {}
+
+async function call<T>(path: string, body?: unknown): Promise<T> {
+  let response: Response;
+  try {
+    response = await fetch(path, {
+      method: body === undefined ? 'GET' : 'POST',
+      headers: body === undefined ? {} : { 'Content-Type': 'application/json' },
+      body: body === undefined ? null : JSON.stringify(body),
+      signal: AbortSignal.timeout(10000),
+    });
+  } catch {
+    throw new ApiError('The server does not answer.');
+  }
+  const text = await response.text();
+  if (!response.ok) throw new ApiError(sentenceOf(text));
+  return JSON.parse(text) as T;
+}
+
+export const api = {
+  getCase: () => call<CaseInfo>('/api/case'),
+  setView: (change: Partial<View>) => call<View>('/api/view', change),
+  freeze: (frozen: boolean) => call<object>('/api/freeze', { frozen }),
+  startByPlacement: (placement: { distance_mm: number; side: BodySide; roll_rad: number }) =>
+    call<object>('/api/start/placement', placement),
+  beginLandmarks: () => call<object>('/api/landmarks/begin', {}),
+  pickOnCt: (viewpoint: SkinViewpoint, x: number, y: number) =>
+    call<{ ct_mm: Point3 }>('/api/landmarks/ct', { ...viewpoint, x, y }),
+  pickOnLive: (x: number, y: number) =>
+    call<{ depth_mm: Point3 }>('/api/landmarks/live', { x, y }),
+  solveLandmarks: (pairs: LandmarkPair[]) =>
+    call<LandmarkSolution>('/api/landmarks/solve', { pairs }),
+  acceptLandmarks: (pairs: LandmarkPair[]) =>
+    call<object>('/api/landmarks/accept', { pairs }),
+  cancelLandmarks: () => call<object>('/api/landmarks/cancel', {}),
+};
+
+export function skinViewUrl(viewpoint: SkinViewpoint): string {
+  const query = new URLSearchParams(
+    Object.entries(viewpoint).map(([name, value]): [string, string] => [name, String(value)]),
+  );
+  return `/api/skin-view.png?${query}`;
+}
+
+/** The newest status, again and again; `undefined` while the server is gone. */
+export function listenToStatus(listener: (status: Status | undefined) => void): void {
+  const source = new EventSource('/api/events');
+  source.addEventListener('status', (event) =>
+    listener(JSON.parse((event as MessageEvent<string>).data) as Status),
+  );
+  source.addEventListener('error', () => {
+    listener(undefined);
+    // The browser tries again by itself, except after an answer that is no event stream.
+    if (source.readyState !== EventSource.CLOSED) return;
+    setTimeout(() => listenToStatus(listener), 2000);
+  });
+}

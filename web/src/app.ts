@@ -1,0 +1,163 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+import { api, listenToStatus, type CaseInfo, type Status, type View } from './api';
+import { Controls } from './controls';
+import { h, setText } from './dom';
+import { grabFrame, type GrabbedFrame } from './frame_grabber';
+import { LandmarkPanel } from './landmark_panel';
+import { LiveVideo } from './live_video';
+import { PlacementPanel } from './placement_panel';
+import { Stage } from './stage';
+import { StatusPanel } from './status_panel';
+import { bannerOf, snapshotName } from './status_text';
+import { ViewSender } from './view_sender';
+import { Toast } from './widgets';
+
+type Mode = 'live' | 'placement' | 'landmarks';
+
+const REFRESH_MS = 200;
+
+/** The whole page: puts the parts together and passes the status on to them. */
+export class App {
+  readonly element: HTMLElement;
+
+  private mode: Mode = 'live';
+  private status: Status | undefined;
+  private view: View | undefined;
+  private info: CaseInfo | undefined;
+  private readonly toast = new Toast();
+  private readonly stage = new Stage(() => this.view,
+    (hole_x, hole_y) => this.changeView({ hole_x, hole_y }));
+  private readonly live = new LiveVideo(this.stage.video);
+  private readonly figures = new StatusPanel();
+  private readonly caseName = h('span', { class: 'case-name' });
+  private readonly sender = new ViewSender((change) => api.setView(change), this.toast.sayError);
+  private readonly placement = new PlacementPanel(() => this.setMode('live'), this.toast);
+  private readonly landmarks = new LandmarkPanel(this.stage, this.toast, () => this.setMode('live'));
+  private readonly controls = new Controls({
+    startByPlacement: () => {
+      this.setMode('placement');
+      this.placement.begin();
+    },
+    startByLandmarks: () => void this.beginLandmarks(),
+    changeView: (change) => this.changeView(change),
+    freeze: (frozen) => void api.freeze(frozen).catch(this.toast.sayError),
+    snapshot: () => void this.takeSnapshot(),
+  });
+
+  readonly inspection: {
+    live: LiveVideo;
+    readonly status: Status | undefined;
+    grabFrame: () => Promise<GrabbedFrame>;
+  };
+
+  constructor() {
+    this.element = h('main', { class: 'app live' },
+      h('header', { class: 'top' },
+        h('h1', {}, 'Morgagni'), this.caseName, this.figures.state,
+        h('span', { class: 'notice' }, 'Not a medical device')),
+      this.landmarks.skin.element,
+      this.stage.element,
+      this.figures.element,
+      this.landmarks.bar,
+      h('aside', { class: 'rail' }, this.controls.element, this.placement.element),
+      this.toast.element);
+    const self = this;
+    this.inspection = {
+      live: this.live,
+      get status() {
+        return self.status;
+      },
+      grabFrame: () => grabFrame(this.live),
+    };
+    window.addEventListener('resize', () => this.landmarks.paint());
+  }
+
+  start(): void {
+    void this.live.connect();
+    void this.loadCase();
+    listenToStatus((status) => this.showStatus(status));
+    setInterval(() => this.refresh(), REFRESH_MS);
+    this.refresh();
+  }
+
+  private async loadCase(): Promise<void> {
+    try {
+      this.info = await api.getCase();
+    } catch {
+      setTimeout(() => void this.loadCase(), 2000);
+      return;
+    }
+    setText(this.caseName, this.info.name);
+    document.title = `${this.info.name} – Morgagni`;
+    this.controls.showCase(this.info);
+    this.placement.showCase(this.info);
+  }
+
+  private showStatus(status: Status | undefined): void {
+    const before = this.status;
+    this.status = status;
+    if (!status) return;
+    // The server's view is shown once it knows all that was done here.
+    if (!this.sender.isBusy) {
+      this.view = status.view;
+      this.controls.showView(status.view);
+    }
+    this.controls.showStatus(status);
+    const found = status.state === 'tracking' && before?.state !== 'tracking';
+    if (this.mode === 'placement' && found) {
+      this.setMode('live');
+      this.toast.say('The body is found: tracking.', 'good');
+    }
+    // Another tablet may have ended or begun it.
+    if (this.mode === 'landmarks' && before?.starting === 'landmarks' && !status.starting) {
+      this.setMode('live');
+    }
+    this.refresh();
+  }
+
+  private refresh(): void {
+    this.figures.show(this.status, this.live);
+    this.stage.showBanner(
+      bannerOf(this.live.state(), this.live.ageMs(), this.live.problem, this.status));
+  }
+
+  private changeView(change: Partial<View>): void {
+    if (this.view) {
+      const structures = { ...this.view.structures, ...change.structures };
+      this.view = { ...this.view, ...change, structures };
+    }
+    this.sender.change(change);
+  }
+
+  private async beginLandmarks(): Promise<void> {
+    try {
+      this.setMode('landmarks');
+      await this.landmarks.begin();
+    } catch (error) {
+      this.setMode('live');
+      this.toast.sayError(error);
+    }
+  }
+
+  private setMode(mode: Mode): void {
+    if (this.mode === 'landmarks' && mode !== 'landmarks') this.landmarks.close();
+    this.mode = mode;
+    this.element.className = `app ${mode}`;
+    this.stage.showHint(
+      mode === 'placement' ? 'Move the camera until the body and the outline match' : '');
+  }
+
+  private async takeSnapshot(): Promise<void> {
+    const response = await fetch('/api/snapshot.png').catch(() => undefined);
+    if (!response?.ok) {
+      this.toast.say('There is no snapshot: the server has no picture.');
+      return;
+    }
+    const name = snapshotName(this.info?.name ?? '', new Date());
+    const url = URL.createObjectURL(await response.blob());
+    h('a', { href: url, download: name }).click();
+    setTimeout(() => URL.revokeObjectURL(url), 10000);
+    this.toast.say(`Saved as ${name}`, 'good');
+  }
+}

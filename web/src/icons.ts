@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// 24x24 line drawings, so that a button is understood before its word is read.
+const DRAWINGS = {
+  placement:
+    'M4 8V5a1 1 0 0 1 1-1h3M16 4h3a1 1 0 0 1 1 1v3M20 16v3a1 1 0 0 1-1 1h-3M8 20H5a1 1 0 0 1-1-1v-3M12 7.5a2 2 0 1 0 0 4 2 2 0 0 0 0-4M8 17c0-2.5 1.8-4 4-4s4 1.5 4 4',
+  landmarks:
+    'M6 4.5a1.8 1.8 0 1 0 0 3.6 1.8 1.8 0 0 0 0-3.6M18 9a1.8 1.8 0 1 0 0 3.6A1.8 1.8 0 0 0 18 9M9 16a1.8 1.8 0 1 0 0 3.6A1.8 1.8 0 0 0 9 16M7.7 7l8.6 3M16.7 12l-6.2 4.6M8.6 16 6.4 8',
+  freeze: 'M9 6v12M15 6v12',
+  resume: 'M8 5.5v13l10.5-6.5z',
+  snapshot:
+    'M4 8h3l1.5-2.5h7L17 8h3v11H4zM12 10.2a3.1 3.1 0 1 0 0 6.2 3.1 3.1 0 0 0 0-6.2',
+  undo: 'M9 6 4.5 10.5 9 15M5 10.5h9a5 5 0 0 1 0 10h-3',
+  turnLeft: 'M5 4.5v5h5M5.6 9.3A7.5 7.5 0 1 1 4.6 14',
+  turnRight: 'M19 4.5v5h-5M18.4 9.3A7.5 7.5 0 1 0 19.4 14',
+  accept: 'M5 12.5 10 17.5 19.5 7',
+  cancel: 'M6 6l12 12M18 6 6 18',
+  plus: 'M12 5v14M5 12h14',
+  minus: 'M5 12h14',
+  tracking: 'M5 12.5 10 17.5 19.5 7',
+  waiting: 'M12 4.5a7.5 7.5 0 1 0 0 15 7.5 7.5 0 0 0 0-15M12 8v4.5l3 2',
+  skipped: 'M12 4.5 21 19.5H3zM12 10v4M12 16.6v.2',
+  lost: 'M6 6l12 12M18 6 6 18',
+} as const;
+
+export type IconName = keyof typeof DRAWINGS;
+
+export function icon(name: IconName): SVGSVGElement {
+  const svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
+  svg.setAttribute('viewBox', '0 0 24 24');
+  svg.setAttribute('class', 'icon');
+  svg.setAttribute('aria-hidden', 'true');
+  const path = document.createElementNS('http://www.w3.org/2000/svg', 'path');
+  path.setAttribute('d', DRAWINGS[name]);
+  svg.append(path);
+  return svg;
+}

@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+import type { View } from './api';
+import { h, setClass, setText } from './dom';
+import { clamp, containedBox, fromPicture, toPicture, type Point, type Size } from './geometry';
+import type { Banner } from './status_text';
+
+const DRAG_FROM_PX = 8;
+const DOUBLE_TAP_MS = 350;
+
+/** The live picture and what lies over it. A finger on it moves the hole, or taps a point. */
+export class Stage {
+  readonly video = h('video', { muted: true, playsinline: true, 'aria-label': 'Live picture' });
+  readonly element: HTMLElement;
+  /** While set, a tap is a point (in the picture's pixels) and does not move the hole. */
+  onTap: ((point: Point) => void) | undefined;
+
+  private readonly banner = h('div', { class: 'banner', role: 'alert', hidden: true });
+  private readonly hint = h('div', { class: 'hint', hidden: true });
+  private readonly ring = h('div', { class: 'ring', hidden: true });
+  private readonly marks = h('div', { class: 'marks' });
+  private down: { at: Point; moved: boolean } | undefined;
+  private lastTap_ms = 0;
+
+  constructor(
+    private readonly view: () => View | undefined,
+    private readonly onHole: (x: number, y: number) => void,
+  ) {
+    this.video.muted = true;
+    this.element = h('div', { class: 'stage' },
+      this.video, this.ring, this.marks, this.banner, this.hint);
+    this.element.addEventListener('pointerdown', (event) => this.press(event));
+    this.element.addEventListener('pointermove', (event) => this.move(event));
+    this.element.addEventListener('pointerup', (event) => this.release(event));
+    this.element.addEventListener('pointercancel', () => this.end());
+  }
+
+  /** The picture's own size; undefined before the first one. */
+  pictureSize(): Size | undefined {
+    const { videoWidth: width, videoHeight: height } = this.video;
+    return width > 0 && height > 0 ? { width, height } : undefined;
+  }
+
+  showBanner(banner: Banner | undefined): void {
+    this.banner.hidden = !banner;
+    this.element.classList.toggle('not-now', banner?.kind === 'bad');
+    if (!banner) return;
+    setClass(this.banner, `banner ${banner.kind}`);
+    setText(this.banner, banner.text);
+  }
+
+  showHint(text: string): void {
+    this.hint.hidden = text === '';
+    setText(this.hint, text);
+  }
+
+  /** Draws numbered points, given in the picture's pixels. */
+  showMarks(marks: { pixel: Point; label: string; color: string }[]): void {
+    const picture = this.pictureSize();
+    this.marks.replaceChildren(
+      ...(picture ? marks : []).map(({ pixel, label, color }) => {
+        const at = fromPicture(pixel, this.box(), picture!);
+        return mark(at, label, color);
+      }));
+  }
+
+  private box(): DOMRect {
+    return this.element.getBoundingClientRect();
+  }
+
+  private pointOf(event: PointerEvent): Point | undefined {
+    const box = this.box();
+    const picture = this.pictureSize();
+    if (!picture) return undefined;
+    return toPicture({ x: event.clientX - box.left, y: event.clientY - box.top }, box, picture);
+  }
+
+  private press(event: PointerEvent): void {
+    if (!event.isPrimary || !this.pointOf(event)) return;
+    this.element.setPointerCapture(event.pointerId);
+    this.down = { at: { x: event.clientX, y: event.clientY }, moved: false };
+  }
+
+  private move(event: PointerEvent): void {
+    if (!this.down || this.onTap) return;
+    const distance = Math.hypot(event.clientX - this.down.at.x, event.clientY - this.down.at.y);
+    if (distance > DRAG_FROM_PX) this.down.moved = true;
+    const picture = this.pictureSize();
+    if (!this.down.moved || !picture) return;
+    const shown = containedBox(this.box(), picture);
+    const x = clamp((event.clientX - this.box().left - shown.x) / shown.width, 0, 1);
+    const y = clamp((event.clientY - this.box().top - shown.y) / shown.height, 0, 1);
+    this.onHole(x, y);
+    this.showRing(x, y);
+  }
+
+  private release(event: PointerEvent): void {
+    const down = this.down;
+    this.end();
+    const point = this.pointOf(event);
+    if (!down || down.moved || !point) return;
+    if (this.onTap) {
+      this.onTap(point);
+      return;
+    }
+    const isDouble = event.timeStamp - this.lastTap_ms < DOUBLE_TAP_MS;
+    this.lastTap_ms = isDouble ? 0 : event.timeStamp;
+    if (!isDouble) return;
+    this.onHole(0.5, 0.5);
+  }
+
+  private end(): void {
+    this.down = undefined;
+    this.ring.hidden = true;
+  }
+
+  /** Where the hole goes, at once: the video follows a little later. */
+  private showRing(x: number, y: number): void {
+    const picture = this.pictureSize();
+    const radius = this.view()?.hole_radius ?? 0;
+    if (!picture || radius <= 0 || radius >= 2) return;
+    const shown = containedBox(this.box(), picture);
+    const size = 2 * radius * shown.height;
+    this.ring.hidden = false;
+    Object.assign(this.ring.style, {
+      left: `${shown.x + x * shown.width - size / 2}px`,
+      top: `${shown.y + y * shown.height - size / 2}px`,
+      width: `${size}px`,
+      height: `${size}px`,
+    });
+  }
+}
+
+export function mark(at: Point, label: string, color: string): HTMLElement {
+  const element = h('div', { class: 'mark' }, h('span', {}, label));
+  element.style.left = `${at.x}px`;
+  element.style.top = `${at.y}px`;
+  element.style.setProperty('--color', color);
+  return element;
+}
