@@ -1,0 +1,229 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/camera/internal/scene.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "morgagni/geometry/depth_raster.h"
+
+namespace mor::internal {
+namespace {
+
+using Eigen::Vector3f;
+
+constexpr int kPoreSide = 64;
+constexpr float kPoresPerMm = 0.8F;
+constexpr float kAmbient = 0.34F;
+constexpr float kLamp = 0.50F;  ///< At the camera.
+constexpr float kCeiling = 0.30F;
+constexpr float kGloss = 26.0F;
+constexpr int kGlossPower = 24;
+
+std::uint8_t to_byte(float value) {
+  return static_cast<std::uint8_t>(std::clamp(value, 0.0F, 255.0F));
+}
+
+std::uint8_t to_facing(float cosine) {
+  return static_cast<std::uint8_t>(std::clamp(255.0F * std::abs(cosine) + 0.5F, 0.0F, 255.0F));
+}
+
+/// Skin is not one colour: it is redder in wide soft patches, paler in others, with a few moles.
+std::vector<Vector3f> paint_skin(const TriangleMesh& skin, std::uint64_t seed) {
+  std::vector<Vector3f> albedo;
+  albedo.reserve(skin.vertices.size());
+  for (const auto& p : skin.vertices) {
+    const float wide = smooth_noise(p.x() / 46.0F, p.y() / 46.0F, p.z() / 46.0F, seed + 11) - 0.5F;
+    const float fine = smooth_noise(p.x() / 11.0F, p.y() / 11.0F, p.z() / 11.0F, seed + 12) - 0.5F;
+    const float spot = smooth_noise(p.x() / 7.0F, p.y() / 7.0F, p.z() / 7.0F, seed + 13);
+    const float mole = 1.0F - 0.38F * std::clamp((spot - 0.86F) / 0.06F, 0.0F, 1.0F);
+    albedo.emplace_back(mole * (226.0F + 16.0F * wide + 12.0F * fine),
+                        mole * (176.0F - 22.0F * wide + 8.0F * fine),
+                        mole * (150.0F - 26.0F * wide + 6.0F * fine));
+  }
+  return albedo;
+}
+
+/// Fine grain that repeats every 80 mm, which no eye finds.
+std::vector<float> make_pores(std::uint64_t seed) {
+  std::vector<float> pores(std::size_t{kPoreSide} * kPoreSide * kPoreSide);
+  for (std::size_t i = 0; i < pores.size(); ++i) {
+    pores[i] = 1.0F + 0.05F * static_cast<float>(to_unit(scramble(seed + 20 + i)) - 0.5);
+  }
+  return pores;
+}
+
+std::size_t pore_at(const Vector3f& at_ct) {
+  const auto cell = [](float mm) {
+    return static_cast<std::size_t>(static_cast<int>(mm * kPoresPerMm + 65536.0F) &
+                                    (kPoreSide - 1));
+  };
+  return (cell(at_ct.z()) * kPoreSide + cell(at_ct.y())) * kPoreSide + cell(at_ct.x());
+}
+
+float power(float base, int exponent) {
+  float result = 1.0F;
+  for (; exponent > 0; exponent /= 2, base *= base) {
+    if (exponent % 2 == 1) result *= base;
+  }
+  return result;
+}
+
+}  // namespace
+
+Scene::Scene(std::shared_ptr<const TriangleMesh> skin,
+             const PinholeCamera& camera,
+             std::uint64_t seed)
+    : skin_(std::move(skin)),
+      camera_(camera),
+      table_(*skin_, seed),
+      normals_(skin_->normals.size() == skin_->vertices.size() ? skin_->normals
+                                                               : vertex_normals(*skin_)),
+      albedo_(paint_skin(*skin_, seed)),
+      pores_(make_pores(seed)),
+      inverse_ray_length_(camera.width_px, camera.height_px) {
+  for (int y = 0; y < camera.height_px; ++y) {
+    for (int x = 0; x < camera.width_px; ++x) {
+      const Eigen::Vector2d ray = camera.ray({x, y});
+      inverse_ray_length_(x, y) = static_cast<float>(1.0 / std::sqrt(ray.squaredNorm() + 1.0));
+    }
+  }
+}
+
+std::vector<Scene::Lit> Scene::light(const Eigen::Isometry3d& ct_from_camera) const {
+  const Eigen::Isometry3f camera_from_ct = ct_from_camera.inverse().cast<float>();
+  const Vector3f eye = ct_from_camera.translation().cast<float>();
+  const Vector3f ceiling = Vector3f(-0.45F, -0.80F, 0.40F).normalized();
+  const auto fx = static_cast<float>(camera_.focal_x_px);
+  const auto fy = static_cast<float>(camera_.focal_y_px);
+  const auto cx = static_cast<float>(camera_.center_x_px);
+  const auto cy = static_cast<float>(camera_.center_y_px);
+  std::vector<Lit> lit(skin_->vertices.size());
+  for (std::size_t i = 0; i < lit.size(); ++i) {
+    const Vector3f p = camera_from_ct * skin_->vertices[i];
+    const Vector3f to_eye = (eye - skin_->vertices[i]).normalized();
+    const float facing = normals_[i].dot(to_eye);
+    const float ceiling_facing = normals_[i].dot(ceiling);
+    const float shade =
+        kAmbient + kLamp * std::max(facing, 0.0F) + kCeiling * std::max(ceiling_facing, 0.0F);
+    const Vector3f halfway = (to_eye + ceiling).normalized();
+    const float gloss = kGloss * power(std::max(normals_[i].dot(halfway), 0.0F), kGlossPower);
+    const Vector3f color = shade * albedo_[i] + Vector3f::Constant(gloss);
+    lit[i] = {
+        fx * p.x() / p.z() + cx, fy * p.y() / p.z() + cy, facing, color.x(), color.y(), color.z()};
+  }
+  return lit;
+}
+
+void Scene::draw_skin_pixel(const std::vector<Lit>& lit,
+                            std::uint32_t triangle,
+                            int x,
+                            int y,
+                            const Vector3f& at_ct,
+                            ScenePicture& picture) const {
+  const auto& corners = skin_->triangles[triangle];
+  const Lit& a = lit[corners[0]];
+  const Lit& b = lit[corners[1]];
+  const Lit& c = lit[corners[2]];
+  const float bx = b.x_px - a.x_px;
+  const float by = b.y_px - a.y_px;
+  const float cx = c.x_px - a.x_px;
+  const float cy = c.y_px - a.y_px;
+  const float px = static_cast<float>(x) - a.x_px;
+  const float py = static_cast<float>(y) - a.y_px;
+  const float inverse_area = 1.0F / (bx * cy - by * cx);
+  const float u = std::clamp((px * cy - py * cx) * inverse_area, 0.0F, 1.0F);
+  const float v = std::clamp((bx * py - by * px) * inverse_area, 0.0F, 1.0F - u);
+  const float w = 1.0F - u - v;
+  const float pore = pores_[pore_at(at_ct)];
+  picture.depth.facing(x, y) = to_facing(w * a.facing + u * b.facing + v * c.facing);
+  picture.color(x, y) = {to_byte(pore * (w * a.r + u * b.r + v * c.r)),
+                         to_byte(pore * (w * a.g + u * b.g + v * c.g)),
+                         to_byte(pore * (w * a.b + u * b.b + v * c.b))};
+}
+
+void Scene::draw_room_pixel(
+    int x, int y, const Vector3f& eye_ct, const Vector3f& ray_ct, ScenePicture& picture) const {
+  if (ray_ct.y() <= 1e-3F) return;  // Above the horizon: darkness.
+  const float cosine = ray_ct.y() * inverse_ray_length_(x, y);
+  const float table_z_mm = (table_.top_mm() - eye_ct.y()) / ray_ct.y();
+  if (table_z_mm > 0.0F) {
+    const Rgb8* wood =
+        table_.color_at(eye_ct.x() + table_z_mm * ray_ct.x(), eye_ct.z() + table_z_mm * ray_ct.z());
+    if (wood != nullptr) {
+      const float shade = 0.62F + 0.38F * cosine;
+      picture.depth.z_mm(x, y) = table_z_mm;
+      picture.depth.facing(x, y) = to_facing(cosine);
+      picture.color(x, y) = {
+          to_byte(shade * wood->r), to_byte(shade * wood->g), to_byte(shade * wood->b)};
+      return;
+    }
+  }
+  const float floor_z_mm = (table_.floor_mm() - eye_ct.y()) / ray_ct.y();
+  if (floor_z_mm <= 0.0F) return;
+  const Vector3f at_ct = eye_ct + floor_z_mm * ray_ct;
+  const float shade =
+      (0.55F + 0.45F * cosine) * (1.0F + 2.0F * (pores_[pore_at(0.3F * at_ct)] - 1.0F));
+  picture.depth.z_mm(x, y) = floor_z_mm;
+  picture.depth.facing(x, y) = to_facing(cosine);
+  picture.color(x, y) = {to_byte(58.0F * shade), to_byte(64.0F * shade), to_byte(72.0F * shade)};
+}
+
+/// Samples at pixel centres leave stairs along the outline: there, and only there, neighbours mix.
+void Scene::soften_outline(const Image<std::uint32_t>& triangle_idx, Image<Rgb8>& color) const {
+  const auto is_skin = [&](int x, int y) { return triangle_idx(x, y) != DepthRaster::kNothing; };
+  std::vector<std::pair<std::size_t, Rgb8>> softened;
+  for (int y = 1; y + 1 < color.height(); ++y) {
+    for (int x = 1; x + 1 < color.width(); ++x) {
+      const bool here = is_skin(x, y);
+      if (is_skin(x - 1, y) == here && is_skin(x + 1, y) == here && is_skin(x, y - 1) == here &&
+          is_skin(x, y + 1) == here) {
+        continue;
+      }
+      std::array<int, 3> sum{};
+      for (const auto& [dx, dy, weight] :
+           {std::array{0, 0, 4}, {-1, 0, 1}, {1, 0, 1}, {0, -1, 1}, {0, 1, 1}}) {
+        const Rgb8& neighbor = color(x + dx, y + dy);
+        sum[0] += weight * neighbor.r;
+        sum[1] += weight * neighbor.g;
+        sum[2] += weight * neighbor.b;
+      }
+      const auto mean = [](int total) { return static_cast<std::uint8_t>(total / 8); };
+      softened.push_back({static_cast<std::size_t>(&color(x, y) - color.data()),
+                          {mean(sum[0]), mean(sum[1]), mean(sum[2])}});
+    }
+  }
+  for (const auto& [index, mixed] : softened) color.data()[index] = mixed;
+}
+
+ScenePicture Scene::draw(const Eigen::Isometry3d& ct_from_camera) const {
+  DepthRaster raster = rasterize_depth(*skin_, camera_, ct_from_camera.inverse());
+  const auto lit = light(ct_from_camera);
+  const Eigen::Matrix3f rotation = ct_from_camera.linear().cast<float>();
+  const Vector3f eye_ct = ct_from_camera.translation().cast<float>();
+  const auto per_column = static_cast<float>(1.0 / camera_.focal_x_px);
+  const auto per_row = static_cast<float>(1.0 / camera_.focal_y_px);
+  ScenePicture picture{
+      {std::move(raster.depth_mm), Image<std::uint8_t>(camera_.width_px, camera_.height_px, 0)},
+      Image<Rgb8>(camera_.width_px, camera_.height_px)};
+  for (int y = 0; y < camera_.height_px; ++y) {
+    const float ray_y = (static_cast<float>(y) - static_cast<float>(camera_.center_y_px)) * per_row;
+    for (int x = 0; x < camera_.width_px; ++x) {
+      const float ray_x =
+          (static_cast<float>(x) - static_cast<float>(camera_.center_x_px)) * per_column;
+      const Vector3f ray_ct = rotation.col(0) * ray_x + rotation.col(1) * ray_y + rotation.col(2);
+      const auto triangle = raster.triangle_idx(x, y);
+      if (triangle == DepthRaster::kNothing) {
+        draw_room_pixel(x, y, eye_ct, ray_ct, picture);
+      } else {
+        const Vector3f at_ct = eye_ct + picture.depth.z_mm(x, y) * ray_ct;
+        draw_skin_pixel(lit, triangle, x, y, at_ct, picture);
+      }
+    }
+  }
+  soften_outline(raster.triangle_idx, picture.color);
+  return picture;
+}
+
+}  // namespace mor::internal

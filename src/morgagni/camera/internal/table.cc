@@ -1,0 +1,151 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/camera/internal/table.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "morgagni/camera/internal/random.h"
+
+namespace mor::internal {
+namespace {
+
+constexpr float kTableWidthMm = 760.0F;
+constexpr float kTableLengthMm = 1900.0F;
+constexpr float kPlankMm = 126.0F;
+
+float lattice(int x, int y, int z, std::uint64_t seed) {
+  const auto key = static_cast<std::uint64_t>((x & 255) | (y & 255) << 8 | (z & 255) << 16);
+  return static_cast<float>(to_unit(scramble(seed ^ (key << 20U))));
+}
+
+float eased(float t) {
+  return t * t * (3.0F - 2.0F * t);
+}
+
+std::uint8_t to_byte(float value) {
+  return static_cast<std::uint8_t>(std::clamp(value, 0.0F, 255.0F));
+}
+
+/// Shadow is cast by what is near above the table; a grid of cells holds how near the skin comes.
+class Occlusion {
+ public:
+  static constexpr float kCellMm = 8.0F;
+  static constexpr float kReachMm = 110.0F;
+
+  Occlusion(int width, int height) : shade_(width, height, 0.0F) {}
+
+  void add(float x_mm, float z_mm, float above_mm) {
+    const int x = static_cast<int>(x_mm / kCellMm);
+    const int z = static_cast<int>(z_mm / kCellMm);
+    if (x_mm < 0.0F || z_mm < 0.0F || !shade_.view().contains(x, z)) return;
+    shade_(x, z) = std::max(shade_(x, z), std::clamp(1.0F - above_mm / kReachMm, 0.0F, 1.0F));
+  }
+
+  /// Three passes of a box come close to a Gaussian.
+  void blur() {
+    for (int pass = 0; pass < 3; ++pass) {
+      shade_ = blurred(shade_, 1, 0);
+      shade_ = blurred(shade_, 0, 1);
+    }
+  }
+
+  [[nodiscard]] float at(float x_mm, float z_mm) const {
+    const float x = std::clamp(x_mm / kCellMm - 0.5F, 0.0F, static_cast<float>(shade_.width() - 2));
+    const float z =
+        std::clamp(z_mm / kCellMm - 0.5F, 0.0F, static_cast<float>(shade_.height() - 2));
+    const int column = static_cast<int>(x);
+    const int row = static_cast<int>(z);
+    const float tx = x - static_cast<float>(column);
+    const float tz = z - static_cast<float>(row);
+    return std::lerp(std::lerp(shade_(column, row), shade_(column + 1, row), tx),
+                     std::lerp(shade_(column, row + 1), shade_(column + 1, row + 1), tx),
+                     tz);
+  }
+
+ private:
+  /// The rim, which no shadow reaches, stays clear.
+  static Image<float> blurred(const Image<float>& image, int step_x, int step_y) {
+    constexpr int kRadius = 2;
+    Image<float> result(image.width(), image.height(), 0.0F);
+    for (int y = kRadius; y < image.height() - kRadius; ++y) {
+      for (int x = kRadius; x < image.width() - kRadius; ++x) {
+        float sum = 0.0F;
+        for (int i = -kRadius; i <= kRadius; ++i) sum += image(x + i * step_x, y + i * step_y);
+        result(x, y) = sum / (2 * kRadius + 1);
+      }
+    }
+    return result;
+  }
+
+  Image<float> shade_;
+};
+
+}  // namespace
+
+float smooth_noise(float x, float y, float z, std::uint64_t seed) {
+  const int ix = static_cast<int>(std::floor(x));
+  const int iy = static_cast<int>(std::floor(y));
+  const int iz = static_cast<int>(std::floor(z));
+  const float tx = eased(x - static_cast<float>(ix));
+  const float ty = eased(y - static_cast<float>(iy));
+  const float tz = eased(z - static_cast<float>(iz));
+  const auto along_x = [&](int y_at, int z_at) {
+    return std::lerp(lattice(ix, y_at, z_at, seed), lattice(ix + 1, y_at, z_at, seed), tx);
+  };
+  return std::lerp(std::lerp(along_x(iy, iz), along_x(iy + 1, iz), ty),
+                   std::lerp(along_x(iy, iz + 1), along_x(iy + 1, iz + 1), ty),
+                   tz);
+}
+
+Table::Table(const TriangleMesh& skin, std::uint64_t seed)
+    : picture_(static_cast<int>(kTableWidthMm * kTexelsPerMm),
+               static_cast<int>(kTableLengthMm * kTexelsPerMm)) {
+  const auto bounds = skin.bounds();
+  top_mm_ = bounds.max().y();
+  left_mm_ = bounds.center().x() - 0.5F * kTableWidthMm;
+  foot_mm_ = bounds.center().z() - 0.5F * kTableLengthMm;
+  paint_wood(seed);
+  paint_shadow(skin);
+}
+
+/// Planks along the body, each of its own tone, with grain that is stretched along it.
+void Table::paint_wood(std::uint64_t seed) {
+  for (int row = 0; row < picture_.height(); ++row) {
+    const float z_mm = static_cast<float>(row) / kTexelsPerMm;
+    for (int column = 0; column < picture_.width(); ++column) {
+      const float x_mm = static_cast<float>(column) / kTexelsPerMm;
+      const float plank = std::floor(x_mm / kPlankMm);
+      const float in_plank_mm = x_mm - plank * kPlankMm;
+      const float own = lattice(static_cast<int>(plank), 7, 3, seed);
+      const float wave = smooth_noise(x_mm / 60.0F, z_mm / 260.0F, 9.0F * own, seed + 1);
+      const float grain = smooth_noise(x_mm / 5.0F + 14.0F * wave, z_mm / 190.0F, plank, seed + 2);
+      const float fiber = smooth_noise(x_mm / 1.6F, z_mm / 45.0F, plank, seed + 3);
+      const float seam_mm = std::min(in_plank_mm, kPlankMm - in_plank_mm);
+      const float seam = seam_mm < 1.3F ? 0.55F : 1.0F;
+      const float tone = seam * (0.74F + 0.14F * own + 0.16F * grain + 0.07F * fiber);
+      picture_(column, row) = {
+          to_byte(168.0F * tone), to_byte(124.0F * tone), to_byte(84.0F * tone)};
+    }
+  }
+}
+
+void Table::paint_shadow(const TriangleMesh& skin) {
+  Occlusion occlusion(static_cast<int>(kTableWidthMm / Occlusion::kCellMm),
+                      static_cast<int>(kTableLengthMm / Occlusion::kCellMm));
+  for (const auto& vertex : skin.vertices) {
+    occlusion.add(vertex.x() - left_mm_, vertex.z() - foot_mm_, top_mm_ - vertex.y());
+  }
+  occlusion.blur();
+  for (int row = 0; row < picture_.height(); ++row) {
+    for (int column = 0; column < picture_.width(); ++column) {
+      const float shade = occlusion.at(static_cast<float>(column) / kTexelsPerMm,
+                                       static_cast<float>(row) / kTexelsPerMm);
+      auto& color = picture_(column, row);
+      const float light = 1.0F - 0.62F * std::min(1.0F, 1.25F * shade);
+      color = {to_byte(light * color.r), to_byte(light * color.g), to_byte(light * color.b)};
+    }
+  }
+}
+
+}  // namespace mor::internal

@@ -1,0 +1,221 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/camera/simulated_camera.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "morgagni/camera/internal/hand_path.h"
+#include "morgagni/camera/internal/key_values.h"
+#include "morgagni/camera/internal/kinect_noise.h"
+#include "morgagni/camera/internal/scene.h"
+#include "morgagni/camera/internal/wait_until.h"
+
+namespace mor {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using internal::KeyValue;
+
+constexpr double kFocalOfWidth = 525.0 / 640.0;
+constexpr std::uint64_t kMaxFrames = 1'000'000'000;
+
+Result<void> set(const KeyValue& pair, SimulatedCameraOptions& options) {
+  if (pair.key == "seed") {
+    MOR_TRY(options.seed, internal::parse_count(pair, 0, UINT64_MAX));
+  } else if (pair.key == "width") {
+    MOR_TRY(const auto width, internal::parse_count(pair, 64, 1920));
+    options.width_px = static_cast<int>(width);
+  } else if (pair.key == "height") {
+    MOR_TRY(const auto height, internal::parse_count(pair, 48, 1080));
+    options.height_px = static_cast<int>(height);
+  } else if (pair.key == "fps") {
+    MOR_TRY(options.frames_per_s, internal::parse_number(pair, 1.0, 120.0));
+  } else if (pair.key == "distance") {
+    MOR_TRY(options.distance_mm, internal::parse_number(pair, 400.0, 1500.0));
+  } else if (pair.key == "path") {
+    MOR_TRY(const auto choice, internal::parse_choice(pair, {"orbit", "sway", "still"}));
+    options.path = static_cast<SimulatedPath>(choice);
+  } else if (pair.key == "noise") {
+    MOR_TRY(const auto choice, internal::parse_choice(pair, {"0", "1"}));
+    options.has_noise = choice == 1;
+  } else if (pair.key == "frames") {
+    MOR_TRY(options.num_frames, internal::parse_count(pair, 0, kMaxFrames));
+  } else if (pair.key == "speed") {
+    MOR_TRY(const auto choice, internal::parse_choice(pair, {"real", "full"}));
+    options.is_real_time = choice == 0;
+  } else {
+    return internal::unknown_key(
+        "simulated",
+        pair,
+        {"seed", "width", "height", "fps", "distance", "path", "noise", "frames", "speed"});
+  }
+  return {};
+}
+
+PinholeCamera pinhole(const SimulatedCameraOptions& options) {
+  const double focal_px = kFocalOfWidth * options.width_px;
+  return {.width_px = options.width_px,
+          .height_px = options.height_px,
+          .focal_x_px = focal_px,
+          .focal_y_px = focal_px,
+          .center_x_px = 0.5 * (options.width_px - 1),
+          .center_y_px = 0.5 * (options.height_px - 1)};
+}
+
+/// Far enough for the body to fill at most three quarters of the picture, and never nearer than the
+/// 600 mm at which a hand holds a tablet; its front must stay within the usual clip at 1 m.
+double fitting_distance_mm(const Eigen::AlignedBox3f& bounds, const PinholeCamera& camera) {
+  constexpr double kShare = 0.75;
+  const Eigen::Vector3d size_mm = bounds.sizes().cast<double>();
+  const double for_width = camera.focal_x_px * size_mm.x() / (kShare * camera.width_px);
+  const double for_height = camera.focal_y_px * size_mm.z() / (kShare * camera.height_px);
+  return std::clamp(std::max(for_width, for_height) - 0.5 * size_mm.y(), 600.0, 750.0);
+}
+
+/// The colour sensor's grain, the same for every channel's place in the table of draws.
+void add_grain(Image<Rgb8>& color, std::uint64_t seed, std::uint64_t frame_id) {
+  static const internal::NormalTable kNormal;
+  constexpr float kSd = 1.8F;
+  std::array<std::int8_t, 4096> grain{};
+  for (std::size_t i = 0; i < grain.size(); ++i) {
+    grain[i] = static_cast<std::int8_t>(std::lrint(kSd * kNormal(internal::scramble(seed ^ i))));
+  }
+  for (int y = 0; y < color.height(); ++y) {
+    internal::RowRandom random(~seed, frame_id, static_cast<std::uint64_t>(y));
+    auto* bytes = reinterpret_cast<std::uint8_t*>(color.view().row(y));
+    // A run of the table at a random place, a new one every 256 bytes.
+    for (int begin = 0; begin < 3 * color.width(); begin += 256) {
+      const auto* run = grain.data() + (random.next() >> 40U) % (grain.size() - 256);
+      const int count = std::min(256, 3 * color.width() - begin);
+      for (int i = 0; i < count; ++i) {
+        bytes[begin + i] = static_cast<std::uint8_t>(std::clamp(bytes[begin + i] + run[i], 0, 255));
+      }
+    }
+  }
+}
+
+Image<std::uint16_t> rounded(const Image<float>& depth_mm) {
+  Image<std::uint16_t> result(depth_mm.width(), depth_mm.height());
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result.data()[i] = static_cast<std::uint16_t>(std::min(depth_mm.data()[i] + 0.5F, 65535.0F));
+  }
+  return result;
+}
+
+tl::unexpected<Error> outside(std::string_view what, double value, double least, double most) {
+  return make_error(ErrorCode::kInvalidArgument,
+                    fmt::format("{} must be in [{}, {}], got {}", what, least, most, value));
+}
+
+}  // namespace
+
+Result<SimulatedCameraOptions> SimulatedCameraOptions::parse(std::string_view text) {
+  SimulatedCameraOptions options;
+  MOR_TRY(const auto pairs, internal::split_key_values(text));
+  for (const auto& pair : pairs) MOR_CHECK(set(pair, options));
+  return options;
+}
+
+Result<void> SimulatedCameraOptions::check() const {
+  if (width_px < 64 || width_px > 1920) return outside("width", width_px, 64, 1920);
+  if (height_px < 48 || height_px > 1080) return outside("height", height_px, 48, 1080);
+  if (!(frames_per_s >= 1.0 && frames_per_s <= 120.0)) return outside("fps", frames_per_s, 1, 120);
+  if (distance_mm && !(*distance_mm >= 400.0 && *distance_mm <= 1500.0)) {
+    return outside("distance", *distance_mm, 400, 1500);
+  }
+  return {};
+}
+
+struct SimulatedCamera::Impl {
+  Impl(std::shared_ptr<const TriangleMesh> skin, const SimulatedCameraOptions& chosen)
+      : options(chosen),
+        camera(pinhole(chosen)),
+        calibration(std::make_shared<const RgbdCalibration>(
+            RgbdCalibration{camera, camera, Eigen::Isometry3d::Identity()})),
+        path(skin->bounds(),
+             chosen.distance_mm.value_or(fitting_distance_mm(skin->bounds(), camera)),
+             chosen.path,
+             chosen.seed),
+        scene(std::move(skin), camera, chosen.seed),
+        noise(camera.focal_x_px, chosen.seed) {}
+
+  [[nodiscard]] Clock::duration since_start(std::uint64_t frame_id) const {
+    return std::chrono::duration_cast<Clock::duration>(
+        std::chrono::duration<double>(static_cast<double>(frame_id) / options.frames_per_s));
+  }
+
+  SimulatedCameraOptions options;
+  PinholeCamera camera;
+  std::shared_ptr<const RgbdCalibration> calibration;
+  internal::HandPath path;
+  internal::Scene scene;
+  internal::KinectNoise noise;
+  std::uint64_t next_id = 0;
+  std::optional<Clock::time_point> started_at;
+};
+
+SimulatedCamera::SimulatedCamera(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+SimulatedCamera::~SimulatedCamera() = default;
+
+Result<std::unique_ptr<SimulatedCamera>> SimulatedCamera::create(
+    std::shared_ptr<const TriangleMesh> skin, const SimulatedCameraOptions& options) {
+  MOR_CHECK(options.check());
+  if (!skin || skin->empty()) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      "the simulated camera needs a case with a skin surface to look at");
+  }
+  return std::unique_ptr<SimulatedCamera>(
+      new SimulatedCamera(std::make_unique<Impl>(std::move(skin), options)));
+}
+
+const RgbdCalibration& SimulatedCamera::calibration() const {
+  return *impl_->calibration;
+}
+
+Eigen::Isometry3d SimulatedCamera::ct_from_camera(std::uint64_t frame_id) const {
+  return impl_->path.ct_from_camera(static_cast<double>(frame_id) / impl_->options.frames_per_s);
+}
+
+std::shared_ptr<RgbdFrame> SimulatedCamera::draw(std::uint64_t frame_id) const {
+  auto picture = impl_->scene.draw(ct_from_camera(frame_id));
+  auto frame = std::make_shared<RgbdFrame>();
+  frame->frame_id = frame_id;
+  frame->calibration = impl_->calibration;
+  frame->color = std::move(picture.color);
+  if (impl_->options.has_noise) {
+    frame->depth_mm = impl_->noise.apply(picture.depth, frame_id);
+    add_grain(frame->color, impl_->options.seed, frame_id);
+  } else {
+    frame->depth_mm = rounded(picture.depth.z_mm);
+  }
+  return frame;
+}
+
+std::shared_ptr<const RgbdFrame> SimulatedCamera::frame_at(std::uint64_t frame_id) const {
+  auto frame = draw(frame_id);
+  frame->captured_at = Clock::time_point(impl_->since_start(frame_id));
+  return frame;
+}
+
+Result<std::shared_ptr<const RgbdFrame>> SimulatedCamera::next_frame(std::stop_token stop) {
+  auto due = Clock::now();
+  if (impl_->options.is_real_time) {
+    if (!impl_->started_at) impl_->started_at = due;
+    const std::chrono::duration<double> running = due - *impl_->started_at;
+    const auto current = static_cast<std::uint64_t>(running.count() * impl_->options.frames_per_s);
+    impl_->next_id = std::max(impl_->next_id, current);
+    due = *impl_->started_at + impl_->since_start(impl_->next_id);
+  }
+  const bool has_ended =
+      impl_->options.num_frames > 0 && impl_->next_id >= impl_->options.num_frames;
+  if (stop.stop_requested() || has_ended) return nullptr;
+  if (impl_->options.is_real_time && !internal::wait_until(due, stop)) return nullptr;
+  auto frame = draw(impl_->next_id++);
+  frame->captured_at = due;
+  return frame;
+}
+
+}  // namespace mor

@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include <Eigen/Geometry>
+
+#include "morgagni/camera/range_camera.h"
+
+namespace mor {
+
+enum class SimulatedPath : std::uint8_t {
+  kOrbit,  ///< A hand that looks at the body from several sides.
+  kSway,   ///< A hand that tries to hold still.
+  kStill,  ///< A tripod.
+};
+
+/// What `simulated:key=value,...` sets; the keys stand in brackets.
+struct SimulatedCameraOptions {
+  std::uint64_t seed = 1;      ///< [seed] Path, noise and looks. The same seed, the same frames.
+  int width_px = 640;          ///< [width] 64..1920.
+  int height_px = 480;         ///< [height] 48..1080.
+  double frames_per_s = 30.0;  ///< [fps] 1..120.
+  std::optional<double> distance_mm;  ///< [distance] To the body's foremost point at the start,
+                                      ///< 400..1500; by default far enough for the body to fit.
+  SimulatedPath path = SimulatedPath::kOrbit;  ///< [path] orbit | sway | still.
+  bool has_noise = true;         ///< [noise] 0 | 1: Kinect v1 depth noise and grain in colour.
+  std::uint64_t num_frames = 0;  ///< [frames] The camera ends after so many; 0: never.
+  bool is_real_time = true;      ///< [speed] real | full: paced by the clock, or as fast as asked.
+
+  [[nodiscard]] static Result<SimulatedCameraOptions> parse(std::string_view text);
+  /// @errors kInvalidArgument: a value outside its limits.
+  [[nodiscard]] Result<void> check() const;
+};
+
+/// A range camera in a careful hand over the CT's skin, which lies supine on a table. The rest of
+/// the program gets it as a RangeCamera and cannot ask for the truth.
+class SimulatedCamera : public RangeCamera {
+ public:
+  /// @param skin  Frame ct, LPS, mm. @errors kInvalidArgument: no skin, or bad options.
+  [[nodiscard]] static Result<std::unique_ptr<SimulatedCamera>> create(
+      std::shared_ptr<const TriangleMesh> skin, const SimulatedCameraOptions& options);
+  ~SimulatedCamera() override;
+
+  /// In real time a slow caller misses frames: their ids follow the clock.
+  [[nodiscard]] Result<std::shared_ptr<const RgbdFrame>> next_frame(std::stop_token stop) override;
+  [[nodiscard]] const RgbdCalibration& calibration() const override;
+
+  /// Frame `frame_id`, whoever asks and in whatever order; `captured_at` is frame_id / fps.
+  /// @threads Safe to call from many at once. @cost About 12 ms at 640x480.
+  [[nodiscard]] std::shared_ptr<const RgbdFrame> frame_at(std::uint64_t frame_id) const;
+
+  /// The truth, for recorders and tests only.
+  [[nodiscard]] Eigen::Isometry3d ct_from_camera(std::uint64_t frame_id) const;
+
+ private:
+  struct Impl;
+  explicit SimulatedCamera(std::unique_ptr<Impl> impl);
+  [[nodiscard]] std::shared_ptr<RgbdFrame> draw(std::uint64_t frame_id) const;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace mor

@@ -1,0 +1,174 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/camera/tum_recorder.h"
+
+#include <cmath>
+#include <system_error>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
+#include <unistd.h>
+
+#include "morgagni/core/files.h"
+#include "morgagni/core/image_png.h"
+
+namespace mor {
+namespace {
+
+namespace fs = std::filesystem;
+
+tl::unexpected<Error> invalid(std::string message) {
+  return make_error(ErrorCode::kInvalidArgument, std::move(message));
+}
+
+tl::unexpected<Error> io_error(const fs::path& path, const std::error_code& status) {
+  return make_error(ErrorCode::kIo, fmt::format("{}: {}", path.string(), status.message()));
+}
+
+/// TUM: `stamp tx ty tz qx qy qz qw`, RAS+ and metres. LPS becomes RAS by turning x and y around.
+std::string truth_line(double timestamp_s, const Eigen::Isometry3d& ct_from_camera) {
+  const Eigen::Vector3d ras_from_lps(-1.0, -1.0, 1.0);
+  const Eigen::Matrix3d rotation = ras_from_lps.asDiagonal() * ct_from_camera.linear();
+  const Eigen::Vector3d position_m =
+      ras_from_lps.cwiseProduct(ct_from_camera.translation()) / 1000.0;
+  const Eigen::Quaterniond q(rotation);
+  return fmt::format("{:.6f} {:.7f} {:.7f} {:.7f} {:.9f} {:.9f} {:.9f} {:.9f}\n",
+                     timestamp_s,
+                     position_m.x(),
+                     position_m.y(),
+                     position_m.z(),
+                     q.x(),
+                     q.y(),
+                     q.z(),
+                     q.w());
+}
+
+std::string intrinsics_json(const PinholeCamera& camera) {
+  return nlohmann::ordered_json{{"fx", camera.focal_x_px},
+                                {"fy", camera.focal_y_px},
+                                {"cx", camera.center_x_px},
+                                {"cy", camera.center_y_px},
+                                {"width", camera.width_px},
+                                {"height", camera.height_px},
+                                {"depth_scale", 1000.0},
+                                {"distortion", camera.distortion}}
+             .dump(1) +
+         "\n";
+}
+
+bool has_size(int width, int height, const PinholeCamera& camera) {
+  return width == camera.width_px && height == camera.height_px;
+}
+
+}  // namespace
+
+struct TumRecorder::Impl {
+  ~Impl() {
+    std::error_code ignored;
+    if (!is_finished) fs::remove_all(aside, ignored);
+  }
+
+  [[nodiscard]] Result<void> check(const RgbdFrame& frame,
+                                   double timestamp_s,
+                                   bool has_truth) const;
+
+  fs::path folder;
+  fs::path aside;
+  bool is_finished = false;
+  std::optional<RgbdCalibration> calibration;
+  std::size_t num_frames = 0;
+  double last_timestamp_s = 0.0;
+  std::string color_list = "# timestamp filename\n";
+  std::string depth_list = "# timestamp filename\n";
+  std::string truth;
+};
+
+Result<void> TumRecorder::Impl::check(const RgbdFrame& frame,
+                                      double timestamp_s,
+                                      bool has_truth) const {
+  if (is_finished) return invalid("the recording is finished");
+  if (!frame.calibration) return invalid("a frame without calibration cannot be recorded");
+  const auto& [depth, color, color_from_depth] = *frame.calibration;
+  if (depth != color || !color_from_depth.isApprox(Eigen::Isometry3d::Identity(), 1e-9)) {
+    return make_error(ErrorCode::kUnsupported,
+                      "the TUM layout has one pinhole for depth and colour, this camera has two");
+  }
+  if (calibration && calibration->depth != depth) {
+    return invalid("the camera's calibration changed during the recording");
+  }
+  if (!has_size(frame.depth_mm.width(), frame.depth_mm.height(), depth) ||
+      !has_size(frame.color.width(), frame.color.height(), color)) {
+    return invalid(fmt::format("frame {} is not {}x{} as its calibration says",
+                               frame.frame_id,
+                               depth.width_px,
+                               depth.height_px));
+  }
+  if (!std::isfinite(timestamp_s) || (num_frames > 0 && timestamp_s <= last_timestamp_s)) {
+    return invalid(
+        fmt::format("time stamp {} does not come after {}", timestamp_s, last_timestamp_s));
+  }
+  if (num_frames > 0 && has_truth == truth.empty()) {
+    return invalid("the truth must be given for every frame or for none");
+  }
+  return {};
+}
+
+TumRecorder::TumRecorder(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+TumRecorder::TumRecorder(TumRecorder&&) noexcept = default;
+TumRecorder& TumRecorder::operator=(TumRecorder&&) noexcept = default;
+TumRecorder::~TumRecorder() = default;
+
+Result<TumRecorder> TumRecorder::create(const fs::path& folder) {
+  std::error_code status;
+  if (fs::exists(folder, status) &&
+      (!fs::is_directory(folder, status) || !fs::is_empty(folder, status))) {
+    return invalid(fmt::format("{}: exists and is not an empty folder", folder.string()));
+  }
+  auto impl = std::make_unique<Impl>();
+  impl->folder = fs::absolute(folder).lexically_normal();
+  if (!impl->folder.has_filename()) impl->folder = impl->folder.parent_path();
+  impl->aside = impl->folder.string() + fmt::format(".part-{}", getpid());
+  for (const char* part : {"rgb", "depth"}) {
+    fs::create_directories(impl->aside / part, status);
+    if (status) return io_error(impl->aside / part, status);
+  }
+  return TumRecorder(std::move(impl));
+}
+
+Result<void> TumRecorder::add(const RgbdFrame& frame,
+                              double timestamp_s,
+                              const std::optional<Eigen::Isometry3d>& ct_from_camera) {
+  MOR_CHECK(impl_->check(frame, timestamp_s, ct_from_camera.has_value()));
+  const auto name = fmt::format("{:06}.png", impl_->num_frames);
+  MOR_CHECK(write_file(impl_->aside / "depth" / name, encode_png(frame.depth_mm.view())));
+  MOR_CHECK(write_file(impl_->aside / "rgb" / name, encode_png(frame.color.view())));
+  impl_->depth_list += fmt::format("{:.6f} depth/{}\n", timestamp_s, name);
+  impl_->color_list += fmt::format("{:.6f} rgb/{}\n", timestamp_s, name);
+  if (ct_from_camera) impl_->truth += truth_line(timestamp_s, *ct_from_camera);
+  impl_->calibration = *frame.calibration;
+  impl_->last_timestamp_s = timestamp_s;
+  ++impl_->num_frames;
+  return {};
+}
+
+Result<void> TumRecorder::finish() {
+  if (impl_->is_finished || impl_->num_frames == 0) {
+    return invalid(fmt::format("{}: no frames to finish", impl_->folder.string()));
+  }
+  const auto& aside = impl_->aside;
+  MOR_CHECK(write_file(aside / "rgb.txt", impl_->color_list));
+  MOR_CHECK(write_file(aside / "depth.txt", impl_->depth_list));
+  MOR_CHECK(write_file(aside / "intrinsics.json", intrinsics_json(impl_->calibration->depth)));
+  if (!impl_->truth.empty()) {
+    constexpr const char* kHead =
+        "# timestamp tx ty tz qx qy qz qw   camera in the CT's world (RAS+), metres\n";
+    MOR_CHECK(write_file(aside / "groundtruth.txt", kHead + impl_->truth));
+  }
+  std::error_code status;
+  fs::rename(aside, impl_->folder, status);  // Replaces an empty folder, and no other.
+  if (status) return io_error(impl_->folder, status);
+  impl_->is_finished = true;
+  return {};
+}
+
+}  // namespace mor
