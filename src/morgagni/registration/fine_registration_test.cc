@@ -1,0 +1,258 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/registration/fine_registration.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "morgagni/geometry/rigid.h"
+#include "morgagni/registration/internal/test_body.h"
+
+namespace mor {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+/// One surface for all tests: its field takes a moment.
+std::shared_ptr<const FixedSurface> body() {
+  static const auto surface = internal::bumpy_surface();
+  return surface;
+}
+
+std::unique_ptr<FineRegistration> make(RegistrationMethod method) {
+  auto made = make_fine_registration(body(), {.method = method});
+  EXPECT_TRUE(made) << made.error().message;
+  return *std::move(made);
+}
+
+const Eigen::Vector3d& body_center() {
+  static const Eigen::Vector3d center = body()->mesh.bounds().center().cast<double>();
+  return center;
+}
+
+/// How far two poses put the body apart, mm.
+double error_mm(const Eigen::Isometry3d& ct_from_depth, const Eigen::Isometry3d& truth) {
+  double worst = 0.0;
+  for (const double x : {-100.0, 100.0}) {
+    for (const double z : {-100.0, 100.0}) {
+      const Eigen::Vector3d in_depth =
+          truth.inverse() * (body_center() + Eigen::Vector3d(x, -60.0, z));
+      worst = std::max(worst, displacement_mm(ct_from_depth, truth, in_depth));
+    }
+  }
+  return worst;
+}
+
+PointCloud with_noise(PointCloud cloud, float sigma_mm, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<float> noise(0.0F, sigma_mm);
+  for (auto& point : cloud.points) point += noise(random) * point.normalized();
+  return cloud;
+}
+
+class EveryMethod : public testing::TestWithParam<RegistrationMethod> {};
+
+TEST_P(EveryMethod, RecoversAKnownPoseFromATrackedStart) {
+  const auto registration = make(GetParam());
+  const Eigen::Isometry3d truth = internal::camera_before_body();
+  const PointCloud moving = internal::seen_by_camera(body()->mesh, truth);
+  const Eigen::Isometry3d start =
+      internal::motion_about(body_center(), {1.0, -0.5, 0.7}, 2.0 * kDegree, {3.0, 2.0, -3.0}) *
+      truth;
+  const auto result = registration->align(moving, start, StartQuality::kTracked);
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_EQ(result->status, RegistrationStatus::kConverged);
+  // Point-to-point ICP ends where its vertices' spacing (3-7 mm) lets it slide no further.
+  EXPECT_LT(error_mm(result->fixed_from_moving, truth),
+            GetParam() == RegistrationMethod::kField ? 0.15 : 1.5);
+  EXPECT_GT(result->explained_fraction, 0.95);
+  EXPECT_GT(result->num_iterations, 0);
+  EXPECT_GT(result->num_pairs, static_cast<int>(moving.size()) / 2);
+}
+
+TEST_P(EveryMethod, GivesTheSameBitsTwice) {
+  const Eigen::Isometry3d truth = internal::camera_before_body();
+  const PointCloud moving = with_noise(internal::seen_by_camera(body()->mesh, truth), 1.5F, 7);
+  const Eigen::Isometry3d start =
+      internal::motion_about(body_center(), {0.0, 1.0, 0.2}, 0.1, {5.0, -5.0, 8.0}) * truth;
+  const auto first = *make(GetParam())->align(moving, start, StartQuality::kRough);
+  const auto second = *make(GetParam())->align(moving, start, StartQuality::kRough);
+  EXPECT_TRUE(first.fixed_from_moving.matrix() == second.fixed_from_moving.matrix());
+  EXPECT_EQ(first.rms_distance_mm, second.rms_distance_mm);
+  EXPECT_EQ(first.num_pairs, second.num_pairs);
+}
+
+TEST_P(EveryMethod, ReportsTooFewPairsForAnEmptyCloudAndKeepsTheStart) {
+  const Eigen::Isometry3d start = internal::camera_before_body();
+  for (const std::size_t count : {std::size_t{0}, std::size_t{2}}) {
+    PointCloud moving = internal::seen_by_camera(body()->mesh, start);
+    moving.points.resize(count);
+    moving.normals.resize(count);
+    const auto result = make(GetParam())->align(moving, start, StartQuality::kRough);
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->status, RegistrationStatus::kTooFewPairs);
+    EXPECT_TRUE(result->fixed_from_moving.isApprox(start, 1e-12));
+  }
+}
+
+TEST_P(EveryMethod, RefusesNanInPointsAndStart) {
+  const auto registration = make(GetParam());
+  const Eigen::Isometry3d truth = internal::camera_before_body();
+  PointCloud moving = internal::seen_by_camera(body()->mesh, truth);
+  Eigen::Isometry3d start = truth;
+  start.translation().x() = std::nan("");
+  auto refused = registration->align(moving, start, StartQuality::kTracked);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("start pose"));
+  moving.points[5].y() = std::nanf("");
+  refused = registration->align(moving, truth, StartQuality::kTracked);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("not finite"));
+}
+
+TEST_P(EveryMethod, RefusesAStartThatIsNoRigidMotion) {
+  Eigen::Isometry3d start = internal::camera_before_body();
+  start.linear() *= 1.01;
+  EXPECT_FALSE(make(GetParam())->align({}, start, StartQuality::kRough));
+  start = internal::camera_before_body();
+  start.linear().col(0) *= -1.0;
+  EXPECT_FALSE(make(GetParam())->align({}, start, StartQuality::kRough));
+}
+
+TEST_P(EveryMethod, DoesNotCallAStartTwoMetersOffConverged) {
+  const Eigen::Isometry3d truth = internal::camera_before_body();
+  const PointCloud moving = internal::seen_by_camera(body()->mesh, truth);
+  Eigen::Isometry3d start = truth;
+  start.translation() += Eigen::Vector3d(2000.0, 0.0, 0.0);
+  const auto result = make_fine_registration(body(), {.method = GetParam(), .max_iterations = 1})
+                          .value()
+                          ->align(moving, start, StartQuality::kRough);
+  ASSERT_TRUE(result);
+  EXPECT_NE(result->status, RegistrationStatus::kConverged);
+}
+
+INSTANTIATE_TEST_SUITE_P(FineRegistration,
+                         EveryMethod,
+                         testing::Values(RegistrationMethod::kIcp,
+                                         RegistrationMethod::kTrimmedIcp,
+                                         RegistrationMethod::kField),
+                         [](const auto& info) {
+                           return info.param == RegistrationMethod::kIcp
+                                      ? "Icp"
+                                      : (info.param == RegistrationMethod::kTrimmedIcp
+                                             ? "TrimmedIcp"
+                                             : "Field");
+                         });
+
+TEST(FieldRegistration, RecoversThePoseFromRoughStartsUnderNoise) {
+  const auto registration = make(RegistrationMethod::kField);
+  const Eigen::Isometry3d truth = internal::camera_before_body();
+  const PointCloud moving = with_noise(internal::seen_by_camera(body()->mesh, truth), 1.5F, 3);
+  std::mt19937 random(11);
+  std::normal_distribution<double> normal;
+  const auto direction = [&] {
+    return Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
+  };
+  for (int i = 0; i < 30; ++i) {
+    const Eigen::Isometry3d start =
+        internal::motion_about(body_center(), direction(), 20.0 * kDegree, 30.0 * direction()) *
+        truth;
+    const auto result = *registration->align(moving, start, StartQuality::kRough);
+    EXPECT_EQ(result.status, RegistrationStatus::kConverged) << i;
+    EXPECT_LT(error_mm(result.fixed_from_moving, truth), 0.6) << i;
+  }
+}
+
+TEST(FieldRegistration, IsNotPulledAwayByClutterAboveTheSkin) {
+  const auto registration = make(RegistrationMethod::kField);
+  const Eigen::Isometry3d truth = internal::camera_before_body();
+  PointCloud moving = with_noise(internal::seen_by_camera(body()->mesh, truth), 1.0F, 5);
+  // A board 40 mm above the skin over a third of what the camera sees.
+  for (std::size_t i = 0; i < moving.size(); ++i) {
+    if (moving.points[i].x() > 30.0F) moving.points[i] -= 40.0F * moving.points[i].normalized();
+  }
+  const Eigen::Isometry3d start =
+      internal::motion_about(body_center(), {0.3, 1.0, 0.2}, 8.0 * kDegree, {8.0, -8.0, 8.0}) *
+      truth;
+  const auto result = *registration->align(moving, start, StartQuality::kRough);
+  EXPECT_LT(error_mm(result.fixed_from_moving, truth), 1.0);
+  EXPECT_LT(result.explained_fraction, 0.85);
+}
+
+TEST(FieldRegistration, ReportsASphereAsDegenerateAndHoldsTheOpenDirections) {
+  auto surface = std::make_shared<FixedSurface>();
+  surface->mesh = internal::bumpy_body(100, Eigen::Vector3f::Zero());
+  for (auto& vertex : surface->mesh.vertices) vertex = 100.0F * vertex.normalized();
+  surface->mesh.normals = vertex_normals(surface->mesh);
+  surface->field = *DistanceField::build(surface->mesh);
+  Eigen::Isometry3d truth = Eigen::Isometry3d::Identity();
+  truth.translation() = Eigen::Vector3d(0.0, 0.0, -600.0);
+  const PointCloud moving = internal::seen_by_camera(surface->mesh, truth);
+  const auto registration = make_fine_registration(surface, {}).value();
+  Eigen::Isometry3d start = truth;
+  start.translation() += Eigen::Vector3d(4.0, -3.0, 5.0);
+  const auto result = *registration->align(moving, start, StartQuality::kTracked);
+  EXPECT_EQ(result.status, RegistrationStatus::kDegenerate);
+  const Eigen::Vector3d center_in_depth = truth.inverse() * Eigen::Vector3d::Zero();
+  EXPECT_LT((result.fixed_from_moving * center_in_depth).norm(), 0.2);
+  EXPECT_LT(rotation_angle_rad(result.fixed_from_moving * truth.inverse()), 3.0 * kDegree);
+}
+
+TEST(FieldRegistration, RefusesPointsWithoutNormals) {
+  PointCloud moving = internal::seen_by_camera(body()->mesh, internal::camera_before_body());
+  moving.normals.clear();
+  const auto refused = make(RegistrationMethod::kField)
+                           ->align(moving, internal::camera_before_body(), StartQuality::kRough);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("normal"));
+}
+
+TEST(TrimmedIcp, IgnoresTheShareThatHasNoPartner) {
+  const Eigen::Isometry3d truth = internal::camera_before_body();
+  PointCloud moving = internal::seen_by_camera(body()->mesh, truth);
+  const std::size_t num_lifted = moving.size() / 12;
+  for (std::size_t i = 0; i < num_lifted; ++i) {
+    moving.points[i] -= 120.0F * moving.points[i].normalized();
+  }
+  const auto trimmed =
+      *make(RegistrationMethod::kTrimmedIcp)->align(moving, truth, StartQuality::kTracked);
+  const auto plain = *make(RegistrationMethod::kIcp)->align(moving, truth, StartQuality::kTracked);
+  EXPECT_LT(error_mm(trimmed.fixed_from_moving, truth), 2.0);
+  EXPECT_GT(error_mm(plain.fixed_from_moving, truth), 4.0);
+  EXPECT_EQ(trimmed.num_pairs, static_cast<int>(std::lround(0.9 * moving.size())));
+}
+
+TEST(MakeFineRegistration, RefusesBadOptionsAndSurfaces) {
+  const auto message = [](std::shared_ptr<const FixedSurface> surface,
+                          const RegistrationOptions& options) {
+    const auto made = make_fine_registration(std::move(surface), options);
+    return made ? std::string() : made.error().message;
+  };
+  EXPECT_THAT(message(body(), {.max_iterations = 0}), HasSubstr("max_iterations must be >= 1"));
+  EXPECT_THAT(message(body(), {.convergence_threshold = -1.0}), HasSubstr("got -1"));
+  EXPECT_THAT(message(body(), {.overlap = 1.5}), HasSubstr("overlap must be in (0, 1], got 1.5"));
+  EXPECT_THAT(message(body(), {.overlap = std::nan("")}), HasSubstr("overlap"));
+  EXPECT_THAT(message(nullptr, {}), HasSubstr("CT skin"));
+  EXPECT_THAT(message(std::make_shared<FixedSurface>(), {}), HasSubstr("empty"));
+  auto without_field = std::make_shared<FixedSurface>();
+  without_field->mesh = internal::bumpy_body(10, Eigen::Vector3f::Zero());
+  EXPECT_THAT(message(without_field, {}), HasSubstr("distance field"));
+  EXPECT_EQ(message(without_field, {.method = RegistrationMethod::kIcp}), "");
+}
+
+TEST(RegistrationMethod, IsReadByTheNameItPrints) {
+  for (const auto method :
+       {RegistrationMethod::kIcp, RegistrationMethod::kTrimmedIcp, RegistrationMethod::kField}) {
+    EXPECT_EQ(parse_registration_method(to_string(method)), method);
+  }
+  EXPECT_FALSE(parse_registration_method("ICP"));
+}
+
+}  // namespace
+}  // namespace mor

@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+
+#include <Eigen/Geometry>
+
+#include "morgagni/geometry/rigid.h"
+#include "morgagni/registration/distance_field.h"
+#include "morgagni/registration/internal/sensor_points.h"
+
+namespace mor::internal {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+/// Which pairs of moving point and field count, and how much.
+struct PairingRule {
+  /// Tukey's scale for points above the skin (clutter lies there), mm.
+  float outside_scale_mm = 10.0F;
+  /// And for points below it, where a camera cannot see: these are errors to be mended.
+  float inside_scale_mm = 10.0F;
+  float min_normal_cosine = 0.5F;  ///< Between the normals of a pair.
+};
+
+/// One linearisation of the weighted squared point-to-plane distances about a pose:
+/// sum w (d + J twist)^2 with twist = (rotation about the pivot, shift), frame ct.
+struct NormalEquations {
+  Matrix6d information = Matrix6d::Zero();  ///< sum w J^T J.
+  Vector6d gradient = Vector6d::Zero();     ///< sum w J^T d.
+  double sum_weights = 0.0;
+  double sum_weighted_sq = 0.0;  ///< sum w d^2.
+  int num_pairs = 0;
+};
+
+[[nodiscard]] NormalEquations linearize(const FieldLevel& level,
+                                        std::span<const SensorPoint> points,
+                                        const Eigen::Isometry3d& fixed_from_moving,
+                                        const Eigen::Vector3d& pivot,
+                                        const PairingRule& rule);
+
+}  // namespace mor::internal
