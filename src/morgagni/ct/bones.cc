@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
+#include <array>
 #include <string>
 #include <utility>
 
@@ -84,6 +84,42 @@ internal::BitMask without_islands(const internal::BitMask& mask,
   });
 }
 
+/// Bone with its marrow: the hollows inside are not seen, and would take most of the triangles.
+internal::BitMask solid(const internal::BitMask& bone, const Eigen::Vector3d& spacing_mm) {
+  constexpr double kClosingMm = 2.0;
+  auto hollow = internal::closed(bone, kClosingMm, spacing_mm);
+  hollow.invert();
+  const internal::Components parts(hollow);
+  auto result = parts.select([&](std::size_t i) { return parts.parts()[i].at_side; });
+  result.invert();
+  return result;
+}
+
+/// The body's mask, found on every second voxel where they are small: what is inside the body need
+/// not be known to a voxel, and an eighth of the voxels takes an eighth of the time.
+Result<internal::BitMask> body_mask_of(const Volume& volume) {
+  constexpr double kSmallMm = 1.25;
+  std::array<int, 3> step{};
+  Volume coarse;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    step[axis] = volume.spacing_mm[static_cast<int>(axis)] < kSmallMm ? 2 : 1;
+    coarse.size[axis] = (volume.size[axis] + step[axis] - 1) / step[axis];
+    coarse.spacing_mm[static_cast<int>(axis)] =
+        volume.spacing_mm[static_cast<int>(axis)] * step[axis];
+  }
+  for (int z = 0; z < coarse.size[2]; ++z)
+    for (int y = 0; y < coarse.size[1]; ++y)
+      for (int x = 0; x < coarse.size[0]; ++x)
+        coarse.hu.push_back(volume.hu[volume.index(x * step[0], y * step[1], z * step[2])]);
+  MOR_TRY(const auto coarse_body, internal::body_mask(coarse, {}, {}));
+  internal::BitMask body(volume.size);
+  for (int z = 0; z < volume.size[2]; ++z)
+    for (int y = 0; y < volume.size[1]; ++y)
+      for (int x = 0; x < volume.size[0]; ++x)
+        if (coarse_body.test(x / step[0], y / step[1], z / step[2])) body.set_run(y, z, x, x + 1);
+  return body;
+}
+
 }  // namespace
 
 Result<void> BoneOptions::check() const {
@@ -110,10 +146,10 @@ Result<TriangleMesh> extract_bone(const Volume& volume,
     if (progress) progress(kStage, fraction);
   };
   report(0.0);
-  MOR_TRY(const auto body, internal::body_mask(volume, {}, {}));
   auto bone = internal::threshold(volume, options.threshold_hu, kHighestHu);
+  MOR_TRY(const auto body, body_mask_of(volume));
   bone &= body;
-  bone = without_islands(bone, volume, options.min_component_mm3);
+  bone = solid(without_islands(bone, volume, options.min_component_mm3), volume.spacing_mm);
   report(0.3);
   TriangleMesh mesh = internal::marching_cubes(volume, bone, options.threshold_hu);
   report(0.5);

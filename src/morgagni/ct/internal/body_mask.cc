@@ -38,19 +38,27 @@ BitMask grown_far(BitMask mask, double distance_mm, const Eigen::Vector3d& spaci
   return mask;
 }
 
-/// Air that does not reach the sides of the volume and whose walls are the body's: lungs and
-/// bowel, but not the hollow of a table top.
-BitMask air_inside(const BitMask& mask, const BitMask& core, const Eigen::Vector3d& spacing_mm) {
-  BitMask air = mask;
+/// Air that does not reach the sides of the volume and whose walls are the body's (lungs and bowel,
+/// but not the hollow of a table top), with the gaps in its walls.
+/// @param closed_mask  Without gaps up to `closing_mm`.
+BitMask solid_inside(const BitMask& closed_mask,
+                     double closing_mm,
+                     const Eigen::Vector3d& spacing_mm) {
+  const BitMask core = largest_part(opened(closed_mask, kOpeningMm, spacing_mm));
+  BitMask air = closed_mask;
   air.invert();
   const Components pockets(air);
-  BitMask walls = grown_by_a_voxel(mask);
+  BitMask walls = grown_by_a_voxel(closed_mask);
   const auto wall_voxels = pockets.overlap(walls);
   walls &= dilated(core, kOpeningMm + kSkinMm, spacing_mm);
   const auto body_wall_voxels = pockets.overlap(walls);
-  return pockets.select([&](std::size_t i) {
+  const BitMask inside = pockets.select([&](std::size_t i) {
     return !pockets.parts()[i].at_side && 2 * body_wall_voxels[i] > wall_voxels[i];
   });
+  BitMask solid = dilated(inside, closing_mm + spacing_mm.maxCoeff(), spacing_mm);
+  solid &= closed_mask;
+  solid |= inside;
+  return solid;
 }
 
 /// The solid mask without what only leans on the body.
@@ -108,17 +116,16 @@ Result<BitMask> body_mask(const Volume& volume,
   report("threshold", 1.0);
 
   report("closing", 0.0);
-  mask = closed(mask, options.closing_mm, volume.spacing_mm);
+  const BitMask whole = closed(mask, options.closing_mm, volume.spacing_mm);
   report("closing", 1.0);
 
   report("body", 0.0);
-  const BitMask core = largest_part(opened(mask, kOpeningMm, volume.spacing_mm));
-  report("body", 0.3);
-  mask |= air_inside(mask, core, volume.spacing_mm);
+  // What leans on the body is cut off before gaps are closed: closing would weld it on.
+  mask |= solid_inside(whole, options.closing_mm, volume.spacing_mm);
   report("body", 0.5);
   mask = without_what_leans_on(mask, volume.spacing_mm);
   report("body", 0.8);
-  mask = filled(largest_part(mask));
+  mask = filled(largest_part(closed(mask, options.closing_mm, volume.spacing_mm)));
   MOR_CHECK(check_air(mask, volume, options.threshold_hu));
   report("body", 1.0);
   return mask;
