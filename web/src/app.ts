@@ -16,6 +16,8 @@ import { Toast } from './widgets';
 type Mode = 'live' | 'placement' | 'landmarks';
 
 const REFRESH_MS = 200;
+// The status comes several times a second; a server that says nothing for so long is not there.
+const SILENCE_MS = 4000;
 
 /** The whole page: puts the parts together and passes the status on to them. */
 export class App {
@@ -23,6 +25,7 @@ export class App {
 
   private mode: Mode = 'live';
   private status: Status | undefined;
+  private heard_ms = 0;
   private view: View | undefined;
   private info: CaseInfo | undefined;
   private readonly toast = new Toast();
@@ -98,6 +101,7 @@ export class App {
     const before = this.status;
     this.status = status;
     if (!status) return;
+    this.heard_ms = performance.now();
     // The server's view is shown once it knows all that was done here.
     if (!this.sender.isBusy) {
       this.view = status.view;
@@ -117,6 +121,7 @@ export class App {
   }
 
   private refresh(): void {
+    if (performance.now() - this.heard_ms > SILENCE_MS) this.status = undefined;
     this.figures.show(this.status, this.live);
     this.stage.showBanner(
       bannerOf(this.live.state(), this.live.ageMs(), this.live.problem, this.status));

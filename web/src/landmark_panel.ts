@@ -60,7 +60,8 @@ export class LandmarkPanel {
   close(): void {
     this.stage.onTap = undefined;
     this.skin.onTap = undefined;
-    this.stage.showMarks([]);
+    this.landmarks.clear();
+    this.paint();
   }
 
   private async tapCt(viewpoint: SkinViewpoint, pixel: Point): Promise<void> {
@@ -134,9 +135,12 @@ export class LandmarkPanel {
       const residual = this.solution?.residuals_mm[idx];
       const words = !live ? 'live?' : !ct ? 'CT?'
         : residual === undefined ? '✓' : `${residual.toFixed(1)} mm`;
-      const chip = h('li', { class: 'chip' }, h('b', {}, String(idx + 1)), h('span', {}, words));
+      // A tap on it turns the CT to where that point was tapped.
+      const chip = h('button', { type: 'button', class: 'chip' },
+        h('b', {}, String(idx + 1)), h('span', {}, words));
+      chip.addEventListener('click', () => ct && this.skin.lookFrom(ct.viewpoint));
       chip.style.setProperty('--color', landmarkColor(idx));
-      return chip;
+      return h('li', {}, chip);
     }));
     this.paint();
   }

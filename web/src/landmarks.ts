@@ -60,9 +60,9 @@ export class Landmarks {
     if (last?.ct && !last.live) return `Tap point ${number} on the live picture too.`;
     if (last?.live && !last.ct) return `Tap point ${number} on the CT skin too.`;
     if (this.pairs().length < 3) {
-      return `Tap point ${number} on the CT skin and the same point on the live picture.`;
+      return `Tap point ${number} on the CT and on the live picture.`;
     }
-    return 'Accept the start, or add more points to make it better.';
+    return 'Accept, or add points to be more exact.';
   }
 
   private unfinished(): Landmark {

@@ -54,6 +54,11 @@ export class SkinPane {
     this.paintMarks();
   }
 
+  /** The same direction and size as then. */
+  lookFrom({ yaw, pitch, zoom }: SkinViewpoint): void {
+    this.look({ yaw, pitch, zoom });
+  }
+
   private look(change: Partial<SkinViewpoint>): void {
     const { width, height } = this.picture.getBoundingClientRect();
     if (width < 16 || height < 16) return;

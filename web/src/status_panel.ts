@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-import type { Status, TrackingState } from './api';
+import type { Status } from './api';
 import { h, setClass, setText } from './dom';
 import { icon } from './icons';
 import type { LiveVideo } from './live_video';
-import { milliseconds, millimetres, STATE_WORDS } from './status_text';
+import { milliseconds, millimetres, STATE_WORDS, type ShownState } from './status_text';
 
 /** One figure with its unit and what it means. */
 class Tile {
@@ -24,31 +24,38 @@ class Tile {
 
 /** State by colour, sign and word, and the figures below the picture. */
 export class StatusPanel {
-  readonly state = h('div', { class: 'state waiting', role: 'status', 'aria-live': 'polite' });
+  readonly state = h('div', { class: 'state', role: 'status', 'aria-live': 'polite' });
   readonly element: HTMLElement;
 
-  private shownState: TrackingState | undefined;
+  private shownState: ShownState | undefined;
   private readonly residual = new Tile('Residual', 'mm');
   private readonly explained = new Tile('Body in place', '%');
   private readonly rate = new Tile('Frame rate', '/s');
   private readonly latency = new Tile('Latency', 'ms');
   private readonly dropped = new Tile('Dropped');
-  private readonly counts = h('div', { class: 'counts' });
+  private readonly counts = h('span');
+  private readonly stages = h('span');
 
   constructor() {
     this.element = h('section', { class: 'figures', 'aria-label': 'Figures' },
       h('div', { class: 'tiles' },
         ...[this.residual, this.explained, this.rate, this.latency, this.dropped].map(
           (tile) => tile.element)),
-      this.counts);
-    this.showState('waiting');
+      h('div', { class: 'counts' }, this.counts, this.stages));
+    this.showState('unknown');
   }
 
   show(status: Status | undefined, live: LiveVideo): void {
     this.rate.show(live.frameRate().toFixed(0));
     this.latency.show(milliseconds(live.latencyMs()));
-    if (!status) return;
-    this.showState(status.state);
+    this.showState(status?.state ?? 'unknown');
+    if (!status) {
+      // What was true a while ago is no longer known.
+      for (const tile of [this.residual, this.explained, this.dropped]) tile.show('–');
+      setText(this.counts, '');
+      setText(this.stages, '');
+      return;
+    }
     this.residual.show(millimetres(status.rms_distance_mm));
     const share = status.explained_fraction;
     this.explained.show(share === null ? '–' : (share * 100).toFixed(0));
@@ -57,11 +64,11 @@ export class StatusPanel {
     const stages = Object.entries(status.stage_ms)
       .map(([name, ms]) => `${name} ${ms.toFixed(0)}`)
       .join(' · ');
-    setText(this.counts,
-      `Frames: ${tracked} tracked · ${skipped} skipped · ${lost} lost    ms: ${stages}`);
+    setText(this.counts, `Frames: ${tracked} tracked · ${skipped} skipped · ${lost} lost`);
+    setText(this.stages, `ms: ${stages}`);
   }
 
-  private showState(state: TrackingState): void {
+  private showState(state: ShownState): void {
     if (state === this.shownState) return;
     this.shownState = state;
     setClass(this.state, `state ${state}`);

@@ -3,7 +3,11 @@
 import type { Status, TrackingState } from './api';
 import type { Connection } from './live_video';
 
-export const STATE_WORDS: Record<TrackingState, string> = {
+/** `unknown`: the server says nothing. */
+export type ShownState = TrackingState | 'unknown';
+
+export const STATE_WORDS: Record<ShownState, string> = {
+  unknown: 'No server',
   waiting: 'Waiting for start',
   tracking: 'Tracking',
   skipped: 'Skipped, pose held',
