@@ -1,0 +1,303 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/evaluation/recording_evaluation.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
+
+#include "morgagni/geometry/rigid.h"
+
+namespace mor {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+constexpr double kMaxTruthLagS = 0.02;
+
+double ms_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+/// A direction drawn evenly from the sphere (Marsaglia 1972): the standard library's normal
+/// distribution may differ between implementations, this does not.
+Eigen::Vector3d random_direction(std::mt19937_64& random) {
+  const auto uniform = [&random] {
+    return static_cast<double>(random() >> 11U) * 0x1.0p-53 * 2.0 - 1.0;
+  };
+  while (true) {
+    const double u = uniform();
+    const double v = uniform();
+    const double s = u * u + v * v;
+    if (s >= 1.0) continue;
+    const double factor = 2.0 * std::sqrt(1.0 - s);
+    return {u * factor, v * factor, 1.0 - 2.0 * s};
+  }
+}
+
+double random_up_to(double limit, std::mt19937_64& random) {
+  return limit * static_cast<double>(random() >> 11U) * 0x1.0p-53;
+}
+
+std::optional<Eigen::Isometry3d> truth_at(const std::vector<TimedPose>& truth, double time_s) {
+  const TimedPose* best = nullptr;
+  double best_lag_s = kMaxTruthLagS;
+  for (const auto& pose : truth) {
+    const double lag_s = std::abs(pose.timestamp_s - time_s);
+    if (lag_s > best_lag_s) continue;
+    best_lag_s = lag_s;
+    best = &pose;
+  }
+  if (best == nullptr) return std::nullopt;
+  return best->ct_from_depth;
+}
+
+Eigen::Vector3d centroid(const PointCloud& cloud) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const auto& point : cloud.points) sum += point.cast<double>();
+  return sum / static_cast<double>(cloud.size());
+}
+
+/// Registers the frames one after the other and keeps the runs.
+class Evaluation {
+ public:
+  Evaluation(const FineRegistration& registration,
+             BodySurfaceExtractor& extractor,
+             const std::vector<Target>& targets,
+             const EvaluationOptions& options)
+      : registration_(registration),
+        extractor_(extractor),
+        targets_(targets),
+        options_(options),
+        random_(options.seed) {}
+
+  [[nodiscard]] Result<void> add_frame(const RgbdFrame& frame, const Eigen::Isometry3d& truth);
+  [[nodiscard]] EvaluationReport report() const;
+
+ private:
+  [[nodiscard]] Result<RegistrationResult> run(const PointCloud& cloud,
+                                               const Eigen::Isometry3d& start,
+                                               StartQuality quality,
+                                               const Eigen::Isometry3d& truth,
+                                               std::size_t frame);
+
+  const FineRegistration& registration_;
+  BodySurfaceExtractor& extractor_;
+  const std::vector<Target>& targets_;
+  const EvaluationOptions& options_;
+  std::mt19937_64 random_;
+  std::optional<Eigen::Isometry3d> last_pose_;
+  std::vector<EvaluationRun> runs_;
+  std::vector<double> depth_ms_;
+  std::vector<double> points_;
+};
+
+Result<RegistrationResult> Evaluation::run(const PointCloud& cloud,
+                                           const Eigen::Isometry3d& start,
+                                           StartQuality quality,
+                                           const Eigen::Isometry3d& truth,
+                                           std::size_t frame) {
+  const auto started = std::chrono::steady_clock::now();
+  MOR_TRY(auto result, registration_.align(cloud, start, quality));
+  EvaluationRun run;
+  run.registration_ms = ms_since(started);
+  run.frame = frame;
+  run.tre_mm = target_registration_error_mm(result.fixed_from_moving, truth, targets_);
+  run.rms_distance_mm = result.rms_distance_mm;
+  run.status = result.status;
+  runs_.push_back(run);
+  return result;
+}
+
+Result<void> Evaluation::add_frame(const RgbdFrame& frame, const Eigen::Isometry3d& truth) {
+  const auto started = std::chrono::steady_clock::now();
+  MOR_TRY(const BodySurface surface, extractor_.extract(frame.depth_mm.view()));
+  depth_ms_.push_back(ms_since(started));
+  if (surface.cloud.empty()) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("frame {} shows nothing between {} and {} mm",
+                                  frame.frame_id,
+                                  options_.depth.near_mm,
+                                  options_.depth.far_mm));
+  }
+  points_.push_back(static_cast<double>(surface.cloud.size()));
+  if (options_.num_starts == 0) {
+    const Eigen::Isometry3d start = last_pose_.value_or(truth);
+    MOR_TRY(const auto result,
+            run(surface.cloud, start, StartQuality::kTracked, truth, frame.frame_id));
+    last_pose_ = result.fixed_from_moving;
+    return {};
+  }
+  const Eigen::Vector3d center = truth * centroid(surface.cloud);
+  for (int i = 0; i < options_.num_starts; ++i) {
+    const Eigen::Isometry3d start = perturbed_start(
+        truth, center, options_.start_error_mm, options_.start_error_deg * kRadPerDeg, random_);
+    MOR_CHECK(run(surface.cloud, start, StartQuality::kRough, truth, frame.frame_id));
+  }
+  return {};
+}
+
+EvaluationReport Evaluation::report() const {
+  EvaluationReport report;
+  report.method = options_.registration.method;
+  report.num_frames = static_cast<int>(depth_ms_.size());
+  report.num_starts = options_.num_starts;
+  std::vector<double> tre_mm;
+  std::vector<double> tre_success_mm;
+  std::vector<double> registration_ms;
+  for (const auto& run : runs_) {
+    tre_mm.push_back(run.tre_mm);
+    if (run.tre_mm < options_.success_mm) tre_success_mm.push_back(run.tre_mm);
+    registration_ms.push_back(run.registration_ms);
+  }
+  report.success_rate =
+      static_cast<double>(tre_success_mm.size()) / static_cast<double>(tre_mm.size());
+  report.tre_mm = summarize(tre_mm);
+  report.tre_success_mm = summarize(tre_success_mm);
+  report.registration_ms = summarize(registration_ms);
+  report.depth_ms = summarize(depth_ms_);
+  report.median_points = quantile(points_, 0.5);
+  report.runs = runs_;
+  return report;
+}
+
+}  // namespace
+
+Result<void> EvaluationOptions::check() const {
+  MOR_CHECK(registration.check());
+  MOR_CHECK(depth.check());
+  const auto bad = [](const char* what, double value) {
+    return make_error(ErrorCode::kInvalidArgument, fmt::format("{}, got {}", what, value));
+  };
+  if (num_starts < 0 || num_starts > 100000) {
+    return bad("the number of starts must be in [0, 100000]", num_starts);
+  }
+  if (!(start_error_mm >= 0.0 && start_error_mm <= 1000.0)) {
+    return bad("the start error must be in [0, 1000] mm", start_error_mm);
+  }
+  if (!(start_error_deg >= 0.0 && start_error_deg <= 180.0)) {
+    return bad("the start error must be in [0, 180] degrees", start_error_deg);
+  }
+  if (!(success_mm > 0.0)) return bad("the limit of success must be above 0 mm", success_mm);
+  return {};
+}
+
+Eigen::Isometry3d perturbed_start(const Eigen::Isometry3d& ct_from_depth_truth,
+                                  const Eigen::Vector3d& ct_center,
+                                  double max_shift_mm,
+                                  double max_rotation_rad,
+                                  std::mt19937_64& random) {
+  const Eigen::Vector3d axis = random_direction(random);
+  const double angle_rad = random_up_to(max_rotation_rad, random);
+  const Eigen::Vector3d direction = random_direction(random);
+  const double shift_mm = random_up_to(max_shift_mm, random);
+  return Eigen::Translation3d(ct_center + shift_mm * direction) *
+         Eigen::AngleAxisd(angle_rad, axis) * Eigen::Translation3d(-ct_center) *
+         ct_from_depth_truth;
+}
+
+double target_registration_error_mm(const Eigen::Isometry3d& ct_from_depth,
+                                    const Eigen::Isometry3d& ct_from_depth_truth,
+                                    const std::vector<Target>& targets) {
+  const Eigen::Isometry3d depth_from_ct_truth = ct_from_depth_truth.inverse();
+  double sum_sq_mm2 = 0.0;
+  for (const auto& target : targets) {
+    sum_sq_mm2 += (ct_from_depth * (depth_from_ct_truth * target.ct) - target.ct).squaredNorm();
+  }
+  return std::sqrt(sum_sq_mm2 / static_cast<double>(targets.size()));
+}
+
+Result<EvaluationReport> evaluate_recording(const TumRecording& recording,
+                                            const std::shared_ptr<const FixedSurface>& fixed,
+                                            const std::vector<TimedPose>& truth,
+                                            const std::vector<Target>& targets,
+                                            const EvaluationOptions& options,
+                                            const Progress& progress) {
+  MOR_CHECK(options.check());
+  if (targets.empty()) {
+    return make_error(ErrorCode::kInvalidArgument, "an evaluation needs at least one target");
+  }
+  MOR_TRY(const auto registration, make_fine_registration(fixed, options.registration));
+  MOR_TRY(auto extractor,
+          BodySurfaceExtractor::create(recording.calibration()->depth, options.depth));
+  Evaluation evaluation(*registration, extractor, targets, options);
+  int num_without_truth = 0;
+  for (std::size_t i = 0; i < recording.size(); ++i) {
+    if (const auto pose = truth_at(truth, recording.timestamp_s(i))) {
+      MOR_TRY(const auto frame, recording.read(i));
+      MOR_CHECK(evaluation.add_frame(*frame, *pose));
+    } else {
+      ++num_without_truth;
+    }
+    progress("register", static_cast<double>(i + 1) / static_cast<double>(recording.size()));
+  }
+  if (num_without_truth == static_cast<int>(recording.size())) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("none of the recording's {} frames has a true pose within {} s",
+                                  recording.size(),
+                                  kMaxTruthLagS));
+  }
+  EvaluationReport report = evaluation.report();
+  report.num_frames_without_truth = num_without_truth;
+  return report;
+}
+
+std::string to_json(const EvaluationReport& report) {
+  const auto all = [](const Summary& s) {
+    return nlohmann::ordered_json{
+        {"mean", s.mean}, {"sd", s.sd}, {"median", s.median}, {"p95", s.p95}, {"max", s.max}};
+  };
+  const nlohmann::ordered_json json = {
+      {"method", to_string(report.method)},
+      {"frames", report.num_frames},
+      {"starts", report.num_starts},
+      {"success_rate", report.success_rate},
+      {"tre_mm", all(report.tre_mm)},
+      {"tre_success_mm", all(report.tre_success_mm)},
+      {"registration_ms",
+       {{"median", report.registration_ms.median}, {"p95", report.registration_ms.p95}}},
+      {"points", report.median_points},
+  };
+  return json.dump(2) + "\n";
+}
+
+std::string to_table(const EvaluationReport& report) {
+  const auto row = [](const char* name, const Summary& s) {
+    return fmt::format("{:<22}{:>9.3f}{:>9.3f}{:>9.3f}{:>9.3f}{:>9.3f}\n",
+                       name,
+                       s.mean,
+                       s.sd,
+                       s.median,
+                       s.p95,
+                       s.max);
+  };
+  std::string table =
+      fmt::format("method {}, {} frames, {}, {:.0f} points (median)\n",
+                  to_string(report.method),
+                  report.num_frames,
+                  report.num_starts == 0 ? std::string("each from the pose before")
+                                         : fmt::format("{} starts each", report.num_starts),
+                  report.median_points);
+  if (report.num_frames_without_truth > 0) {
+    table += fmt::format("{} frames have no true pose and were left out\n",
+                         report.num_frames_without_truth);
+  }
+  table += fmt::format("success (TRE < limit)  {:.2f} % of {} runs\n\n",
+                       100.0 * report.success_rate,
+                       report.runs.size());
+  table +=
+      fmt::format("{:<22}{:>9}{:>9}{:>9}{:>9}{:>9}\n", "", "mean", "SD", "median", "p95", "max");
+  table += row("TRE, mm", report.tre_mm);
+  table += row("TRE of successes, mm", report.tre_success_mm);
+  table += row("registration, ms", report.registration_ms);
+  table += row("depth to surface, ms", report.depth_ms);
+  return table;
+}
+
+}  // namespace mor

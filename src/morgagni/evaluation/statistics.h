@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+namespace mor {
+
+/// What a table says of a sample. All 0 for an empty one.
+struct Summary {
+  double mean = 0.0;
+  double sd = 0.0;  ///< Of the sample: divided by n - 1; 0 for a single value.
+  double median = 0.0;
+  double p95 = 0.0;
+  double max = 0.0;
+};
+
+/// The value below which `fraction` of the sample lies, interpolated between neighbours: 0.5 is the
+/// median. 0 for an empty sample. @param fraction  [0, 1].
+[[nodiscard]] double quantile(std::vector<double> values, double fraction);
+
+[[nodiscard]] Summary summarize(const std::vector<double>& values);
+
+}  // namespace mor
