@@ -7,10 +7,10 @@
 
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
-#include <unistd.h>
 
 #include "morgagni/core/files.h"
 #include "morgagni/core/image_png.h"
+#include "morgagni/core/pending_folder.h"
 
 namespace mor {
 namespace {
@@ -63,17 +63,15 @@ bool has_size(int width, int height, const PinholeCamera& camera) {
 }  // namespace
 
 struct TumRecorder::Impl {
-  ~Impl() {
-    std::error_code ignored;
-    if (!is_finished) fs::remove_all(aside, ignored);
-  }
+  Impl(fs::path target, PendingFolder pending_folder)
+      : folder(std::move(target)), pending(std::move(pending_folder)) {}
 
   [[nodiscard]] Result<void> check(const RgbdFrame& frame,
                                    double timestamp_s,
                                    bool has_truth) const;
 
   fs::path folder;
-  fs::path aside;
+  PendingFolder pending;
   bool is_finished = false;
   std::optional<RgbdCalibration> calibration;
   std::size_t num_frames = 0;
@@ -124,24 +122,22 @@ Result<TumRecorder> TumRecorder::create(const fs::path& folder) {
       (!fs::is_directory(folder, status) || !fs::is_empty(folder, status))) {
     return invalid(fmt::format("{}: exists and is not an empty folder", folder.string()));
   }
-  auto impl = std::make_unique<Impl>();
-  impl->folder = fs::absolute(folder).lexically_normal();
-  if (!impl->folder.has_filename()) impl->folder = impl->folder.parent_path();
-  impl->aside = impl->folder.string() + fmt::format(".part-{}", getpid());
+  MOR_TRY(auto pending, PendingFolder::create(folder));
   for (const char* part : {"rgb", "depth"}) {
-    fs::create_directories(impl->aside / part, status);
-    if (status) return io_error(impl->aside / part, status);
+    fs::create_directory(pending.path() / part, status);
+    if (status) return io_error(pending.path() / part, status);
   }
-  return TumRecorder(std::move(impl));
+  return TumRecorder(std::make_unique<Impl>(folder, std::move(pending)));
 }
 
 Result<void> TumRecorder::add(const RgbdFrame& frame,
                               double timestamp_s,
                               const std::optional<Eigen::Isometry3d>& ct_from_camera) {
   MOR_CHECK(impl_->check(frame, timestamp_s, ct_from_camera.has_value()));
+  const auto& folder = impl_->pending.path();
   const auto name = fmt::format("{:06}.png", impl_->num_frames);
-  MOR_CHECK(write_file(impl_->aside / "depth" / name, encode_png(frame.depth_mm.view())));
-  MOR_CHECK(write_file(impl_->aside / "rgb" / name, encode_png(frame.color.view())));
+  MOR_CHECK(write_file(folder / "depth" / name, encode_png(frame.depth_mm.view())));
+  MOR_CHECK(write_file(folder / "rgb" / name, encode_png(frame.color.view())));
   impl_->depth_list += fmt::format("{:.6f} depth/{}\n", timestamp_s, name);
   impl_->color_list += fmt::format("{:.6f} rgb/{}\n", timestamp_s, name);
   if (ct_from_camera) impl_->truth += truth_line(timestamp_s, *ct_from_camera);
@@ -155,7 +151,7 @@ Result<void> TumRecorder::finish() {
   if (impl_->is_finished || impl_->num_frames == 0) {
     return invalid(fmt::format("{}: no frames to finish", impl_->folder.string()));
   }
-  const auto& aside = impl_->aside;
+  const auto& aside = impl_->pending.path();
   MOR_CHECK(write_file(aside / "rgb.txt", impl_->color_list));
   MOR_CHECK(write_file(aside / "depth.txt", impl_->depth_list));
   MOR_CHECK(write_file(aside / "intrinsics.json", intrinsics_json(impl_->calibration->depth)));
@@ -164,9 +160,7 @@ Result<void> TumRecorder::finish() {
         "# timestamp tx ty tz qx qy qz qw   camera in the CT's world (RAS+), metres\n";
     MOR_CHECK(write_file(aside / "groundtruth.txt", kHead + impl_->truth));
   }
-  std::error_code status;
-  fs::rename(aside, impl_->folder, status);  // Replaces an empty folder, and no other.
-  if (status) return io_error(impl_->folder, status);
+  MOR_CHECK(impl_->pending.commit());
   impl_->is_finished = true;
   return {};
 }

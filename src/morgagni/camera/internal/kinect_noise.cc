@@ -17,8 +17,21 @@ constexpr float kEdgeShare = 0.03F;
 constexpr std::uint32_t kDropAtEdge = 36000;  // Of 65536.
 constexpr std::uint32_t kDropAnywhere = 40;   // Of 65536: speckle that found no match.
 
+/// Disparity in steps times depth: Khoshelham and Elberink's f b, in steps and mm.
+constexpr double kStepsTimesMm =
+    kinect::kInfraredFocalPx * kinect::kBaselineMm / kinect::kDisparityStepPx;
+
 double angle_share(double angle_rad) {
   return angle_rad / (kRightAngleRad - angle_rad);
+}
+
+/// The measured noise holds that of the disparity's steps and of whole millimetres. Both come by
+/// themselves afterwards (an even step adds step^2 / 12), so they are taken out here.
+float axial_rest_sd_mm(double z_mm, double angle_rad) {
+  const double sd_mm = kinect::axial_sd_mm(z_mm, angle_rad);
+  const double step_mm = kinect::depth_step_mm(z_mm);
+  const double rest_mm2 = sd_mm * sd_mm - (step_mm * step_mm + 1.0) / 12.0;
+  return static_cast<float>(std::sqrt(std::max(rest_mm2, 0.0)));
 }
 
 }  // namespace
@@ -42,15 +55,27 @@ double depth_step_mm(double z_mm) {
 
 }  // namespace kinect
 
-KinectNoise::KinectNoise(double focal_px, std::uint64_t seed) : focal_px_(focal_px), seed_(seed) {
-  for (std::size_t i = 0; i < by_facing_.size(); ++i) {
-    const double angle_rad = std::min(std::acos(static_cast<double>(i) / 255.0), kDropAllRad);
+KinectNoise::KinectNoise(double focal_px, std::uint64_t seed)
+    : focal_px_(focal_px), seed_(seed), by_angle_(kNumAngles), depth_of_step_mm_(kNumSteps, 0) {
+  for (std::size_t i = 0; i < kNumAngles; ++i) {
+    const double cosine = std::min(1.0, (4.0 * static_cast<double>(i) + 2.0) / 253.0);
+    const double angle_rad = std::min(std::acos(cosine), kDropAllRad);
+    auto& angle = by_angle_[i];
     const double share =
         std::clamp((angle_rad - kDropFromRad) / (kDropAllRad - kDropFromRad), 0.0, 1.0);
-    by_facing_[i] = {static_cast<float>(kinect::lateral_sd_px(angle_rad)),
-                     static_cast<float>(kinect::axial_sd_mm(1000.0, angle_rad) -
-                                        kinect::axial_sd_mm(1000.0, 0.0)),
-                     std::max(kDropAnywhere, static_cast<std::uint32_t>(share * share * 65536.0))};
+    angle.drop_below = std::max(kDropAnywhere, static_cast<std::uint32_t>(share * share * 65536.0));
+    for (std::size_t k = 0; k < angle.shift_px.size(); ++k) {
+      const double shift_px = kinect::lateral_sd_px(angle_rad) * normal_(16 * k + 8);
+      angle.shift_px[k] = static_cast<std::int8_t>(std::clamp(std::lrint(shift_px), -100L, 100L));
+    }
+    for (std::size_t k = 0; k < kNumDepths; ++k) {
+      angle.sd_mm[k] = axial_rest_sd_mm((static_cast<double>(k) + 0.5) * kDepthClassMm, angle_rad);
+    }
+  }
+  for (std::size_t i = 1; i < kNumSteps; ++i) {
+    const double z_mm = kStepsTimesMm / static_cast<double>(i);
+    if (z_mm < kinect::kNearestMm || z_mm > kinect::kFarthestMm) continue;
+    depth_of_step_mm_[i] = static_cast<std::uint16_t>(std::lround(z_mm));
   }
 }
 
@@ -68,22 +93,12 @@ void KinectNoise::mark_shadow(const float* z_mm, int width, std::uint8_t* is_lit
   }
 }
 
-std::uint16_t KinectNoise::measure(float z_mm, const ByFacing& facing, std::uint64_t bits) const {
-  constexpr auto kDisparityMm =
-      static_cast<float>(kinect::kInfraredFocalPx * kinect::kBaselineMm / kinect::kDisparityStepPx);
-  const float z_m = 0.001F * z_mm;
-  const float from_near_m = z_m - 0.4F;
-  const float sd_mm =
-      1.2F + 1.9F * from_near_m * from_near_m + facing.axial_angle_mm / std::sqrt(z_m);
-  // The measured noise holds that of the disparity's steps and of whole millimetres: the steps
-  // below add it, so it is taken out here (an even step adds step^2 / 12).
-  const float step_mm = z_mm * z_mm / kDisparityMm;
-  const float rest_mm2 = sd_mm * sd_mm - (step_mm * step_mm + 1.0F) / 12.0F;
-  const float noisy_mm = z_mm + std::sqrt(std::max(rest_mm2, 0.0F)) * normal_(bits);
-  const float steps = std::floor(kDisparityMm / noisy_mm + 0.5F);
-  const float seen_mm = kDisparityMm / steps;
-  if (!(seen_mm >= kinect::kNearestMm && seen_mm <= kinect::kFarthestMm)) return 0;
-  return static_cast<std::uint16_t>(seen_mm + 0.5F);
+std::uint16_t KinectNoise::measure(float z_mm, const ByAngle& angle, std::uint64_t bits) const {
+  const auto depth_class = static_cast<std::size_t>(z_mm * (1.0F / kDepthClassMm));
+  const float noisy_mm = z_mm + angle.sd_mm[std::min(depth_class, kNumDepths - 1)] * normal_(bits);
+  const auto step = static_cast<std::int64_t>(static_cast<float>(kStepsTimesMm) / noisy_mm + 0.5F);
+  const bool is_known = step > 0 && step < static_cast<std::int64_t>(kNumSteps);
+  return is_known ? depth_of_step_mm_[static_cast<std::size_t>(step)] : std::uint16_t{0};
 }
 
 Image<std::uint16_t> KinectNoise::apply(const IdealDepth& ideal, std::uint64_t frame_id) const {
@@ -93,28 +108,22 @@ Image<std::uint16_t> KinectNoise::apply(const IdealDepth& ideal, std::uint64_t f
   std::vector<std::uint8_t> is_lit(static_cast<std::size_t>(width));
   const auto z_mm = ideal.z_mm.view();
   for (int y = 0; y < height; ++y) {
-    mark_shadow(z_mm.row(y), width, is_lit.data());
+    const float* row_mm = z_mm.row(y);
+    const std::uint8_t* facing = ideal.facing.view().row(y);
+    mark_shadow(row_mm, width, is_lit.data());
     RowRandom random(seed_, frame_id, static_cast<std::uint64_t>(y));
     for (int x = 0; x < width; ++x) {
       const std::uint64_t bits = random.next();
-      const float here_mm = z_mm(x, y);
-      if (here_mm <= 0.0F || is_lit[static_cast<std::size_t>(x)] == 0) continue;
-      const auto& facing = by_facing_[ideal.facing(x, y)];
+      if (is_lit[static_cast<std::size_t>(x)] == 0) continue;
+      const auto& angle = by_angle_[facing[x] / 4U];
       // Lateral noise: the reading belongs to a place beside the pixel.
-      const int from_x =
-          std::clamp(x + static_cast<int>(std::lrint(facing.lateral_sd_px * normal_(bits >> 4U))),
-                     0,
-                     width - 1);
-      const int from_y =
-          std::clamp(y + static_cast<int>(std::lrint(facing.lateral_sd_px * normal_(bits >> 16U))),
-                     0,
-                     height - 1);
+      const int from_x = std::clamp(x + angle.shift_px[bits & 255U], 0, width - 1);
+      const int from_y = std::clamp(y + angle.shift_px[(bits >> 8U) & 255U], 0, height - 1);
       const float z = z_mm(from_x, from_y);
-      const bool is_edge = std::abs(z - here_mm) > kEdgeShare * here_mm;
-      const auto drop_below =
-          is_edge ? std::max(kDropAtEdge, facing.drop_below) : facing.drop_below;
+      const bool is_edge = std::abs(z - row_mm[x]) > kEdgeShare * row_mm[x];
+      const auto drop_below = is_edge ? std::max(kDropAtEdge, angle.drop_below) : angle.drop_below;
       if (z <= 0.0F || (bits >> 48U) < drop_below) continue;
-      seen(x, y) = measure(z, facing, bits >> 28U);
+      seen(x, y) = measure(z, angle, bits >> 20U);
     }
   }
   return seen;

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <vector>
 
 #include "morgagni/camera/internal/random.h"
 #include "morgagni/core/image.h"
@@ -47,19 +49,26 @@ class KinectNoise {
   [[nodiscard]] Image<std::uint16_t> apply(const IdealDepth& ideal, std::uint64_t frame_id) const;
 
  private:
-  struct ByFacing {
-    float lateral_sd_px = 0.0F;
-    float axial_angle_mm = 0.0F;   ///< At 1 m; falls with the root of the depth.
-    std::uint32_t drop_below = 0;  ///< Dropped where a 16-bit random number is below this.
+  static constexpr std::size_t kNumAngles = 64;   ///< Classes of facing, four cosines of 255 each.
+  static constexpr std::size_t kNumDepths = 320;  ///< Classes of depth.
+  static constexpr float kDepthClassMm = 16.0F;
+  static constexpr std::size_t kNumSteps = 2048;  ///< Disparities, in steps.
+
+  /// What depends on the angle alone.
+  struct ByAngle {
+    std::array<std::int8_t, 256> shift_px{};  ///< Quantiles of the lateral noise.
+    std::uint32_t drop_below = 0;           ///< Dropped where a 16-bit random number is below this.
+    std::array<float, kNumDepths> sd_mm{};  ///< Axial noise still to be added, by depth.
   };
 
   void mark_shadow(const float* z_mm, int width, std::uint8_t* is_lit) const;
-  [[nodiscard]] std::uint16_t measure(float z_mm, const ByFacing& facing, std::uint64_t bits) const;
+  [[nodiscard]] std::uint16_t measure(float z_mm, const ByAngle& angle, std::uint64_t bits) const;
 
   double focal_px_;
   std::uint64_t seed_;
   NormalTable normal_;
-  std::array<ByFacing, 256> by_facing_;
+  std::vector<ByAngle> by_angle_;
+  std::vector<std::uint16_t> depth_of_step_mm_;  ///< 0 out of range.
 };
 
 }  // namespace mor::internal

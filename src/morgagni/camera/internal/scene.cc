@@ -37,7 +37,7 @@ std::vector<Vector3f> paint_skin(const TriangleMesh& skin, std::uint64_t seed) {
     const float wide = smooth_noise(p.x() / 46.0F, p.y() / 46.0F, p.z() / 46.0F, seed + 11) - 0.5F;
     const float fine = smooth_noise(p.x() / 11.0F, p.y() / 11.0F, p.z() / 11.0F, seed + 12) - 0.5F;
     const float spot = smooth_noise(p.x() / 7.0F, p.y() / 7.0F, p.z() / 7.0F, seed + 13);
-    const float mole = 1.0F - 0.38F * std::clamp((spot - 0.86F) / 0.06F, 0.0F, 1.0F);
+    const float mole = 1.0F - 0.10F * std::clamp((spot - 0.84F) / 0.08F, 0.0F, 1.0F);
     albedo.emplace_back(mole * (226.0F + 16.0F * wide + 12.0F * fine),
                         mole * (176.0F - 22.0F * wide + 8.0F * fine),
                         mole * (150.0F - 26.0F * wide + 6.0F * fine));
@@ -60,6 +60,14 @@ std::size_t pore_at(const Vector3f& at_ct) {
                                     (kPoreSide - 1));
   };
   return (cell(at_ct.z()) * kPoreSide + cell(at_ct.y())) * kPoreSide + cell(at_ct.x());
+}
+
+/// `shade` of 256.
+Rgb8 dimmed(const Rgb8& color, unsigned shade) {
+  const auto dim = [&](std::uint8_t value) {
+    return static_cast<std::uint8_t>(std::min(value * shade >> 8U, 255U));
+  };
+  return {dim(color.r), dim(color.g), dim(color.b)};
 }
 
 float power(float base, int exponent) {
@@ -146,41 +154,37 @@ void Scene::draw_skin_pixel(const std::vector<Lit>& lit,
 void Scene::draw_room_pixel(
     int x, int y, const Vector3f& eye_ct, const Vector3f& ray_ct, ScenePicture& picture) const {
   if (ray_ct.y() <= 1e-3F) return;  // Above the horizon: darkness.
+  const float per_y = 1.0F / ray_ct.y();
   const float cosine = ray_ct.y() * inverse_ray_length_(x, y);
-  const float table_z_mm = (table_.top_mm() - eye_ct.y()) / ray_ct.y();
-  if (table_z_mm > 0.0F) {
-    const Rgb8* wood =
-        table_.color_at(eye_ct.x() + table_z_mm * ray_ct.x(), eye_ct.z() + table_z_mm * ray_ct.z());
-    if (wood != nullptr) {
-      const float shade = 0.62F + 0.38F * cosine;
-      picture.depth.z_mm(x, y) = table_z_mm;
-      picture.depth.facing(x, y) = to_facing(cosine);
-      picture.color(x, y) = {
-          to_byte(shade * wood->r), to_byte(shade * wood->g), to_byte(shade * wood->b)};
-      return;
-    }
+  picture.depth.facing(x, y) = static_cast<std::uint8_t>(255.0F * cosine);
+  const float table_z_mm = (table_.top_mm() - eye_ct.y()) * per_y;
+  const Rgb8* wood = table_z_mm > 0.0F ? table_.color_at(eye_ct.x() + table_z_mm * ray_ct.x(),
+                                                         eye_ct.z() + table_z_mm * ray_ct.z())
+                                       : nullptr;
+  if (wood != nullptr) {
+    const auto shade = static_cast<unsigned>(256.0F * (0.62F + 0.38F * cosine));
+    picture.depth.z_mm(x, y) = table_z_mm;
+    picture.color(x, y) = dimmed(*wood, shade);
+    return;
   }
-  const float floor_z_mm = (table_.floor_mm() - eye_ct.y()) / ray_ct.y();
+  const float floor_z_mm = (table_.floor_mm() - eye_ct.y()) * per_y;
   if (floor_z_mm <= 0.0F) return;
-  const Vector3f at_ct = eye_ct + floor_z_mm * ray_ct;
-  const float shade =
-      (0.55F + 0.45F * cosine) * (1.0F + 2.0F * (pores_[pore_at(0.3F * at_ct)] - 1.0F));
+  const float grain = 2.0F * (pores_[pore_at(0.3F * (eye_ct + floor_z_mm * ray_ct))] - 1.0F);
+  const auto shade = static_cast<unsigned>(256.0F * (0.55F + 0.43F * cosine) * (1.0F + grain));
   picture.depth.z_mm(x, y) = floor_z_mm;
-  picture.depth.facing(x, y) = to_facing(cosine);
-  picture.color(x, y) = {to_byte(58.0F * shade), to_byte(64.0F * shade), to_byte(72.0F * shade)};
+  picture.color(x, y) = dimmed({58, 64, 72}, shade);
 }
 
 /// Samples at pixel centres leave stairs along the outline: there, and only there, neighbours mix.
-void Scene::soften_outline(const Image<std::uint32_t>& triangle_idx, Image<Rgb8>& color) const {
-  const auto is_skin = [&](int x, int y) { return triangle_idx(x, y) != DepthRaster::kNothing; };
+void Scene::soften_outline(const Image<std::uint8_t>& is_skin, Image<Rgb8>& color) const {
   std::vector<std::pair<std::size_t, Rgb8>> softened;
   for (int y = 1; y + 1 < color.height(); ++y) {
+    const std::uint8_t* here = is_skin.view().row(y);
+    const std::uint8_t* above = is_skin.view().row(y - 1);
+    const std::uint8_t* below = is_skin.view().row(y + 1);
     for (int x = 1; x + 1 < color.width(); ++x) {
-      const bool here = is_skin(x, y);
-      if (is_skin(x - 1, y) == here && is_skin(x + 1, y) == here && is_skin(x, y - 1) == here &&
-          is_skin(x, y + 1) == here) {
-        continue;
-      }
+      const int around = here[x - 1] + here[x + 1] + above[x] + below[x];
+      if (around == 4 * here[x]) continue;
       std::array<int, 3> sum{};
       for (const auto& [dx, dy, weight] :
            {std::array{0, 0, 4}, {-1, 0, 1}, {1, 0, 1}, {0, -1, 1}, {0, 1, 1}}) {
@@ -207,6 +211,7 @@ ScenePicture Scene::draw(const Eigen::Isometry3d& ct_from_camera) const {
   ScenePicture picture{
       {std::move(raster.depth_mm), Image<std::uint8_t>(camera_.width_px, camera_.height_px, 0)},
       Image<Rgb8>(camera_.width_px, camera_.height_px)};
+  Image<std::uint8_t> is_skin(camera_.width_px, camera_.height_px, 0);
   for (int y = 0; y < camera_.height_px; ++y) {
     const float ray_y = (static_cast<float>(y) - static_cast<float>(camera_.center_y_px)) * per_row;
     for (int x = 0; x < camera_.width_px; ++x) {
@@ -219,10 +224,11 @@ ScenePicture Scene::draw(const Eigen::Isometry3d& ct_from_camera) const {
       } else {
         const Vector3f at_ct = eye_ct + picture.depth.z_mm(x, y) * ray_ct;
         draw_skin_pixel(lit, triangle, x, y, at_ct, picture);
+        is_skin(x, y) = 1;
       }
     }
   }
-  soften_outline(raster.triangle_idx, picture.color);
+  soften_outline(is_skin, picture.color);
   return picture;
 }
 

@@ -52,7 +52,7 @@ class Scene {
                        const Eigen::Vector3f& eye_ct,
                        const Eigen::Vector3f& ray_ct,
                        ScenePicture& picture) const;
-  void soften_outline(const Image<std::uint32_t>& triangle_idx, Image<Rgb8>& color) const;
+  void soften_outline(const Image<std::uint8_t>& is_skin, Image<Rgb8>& color) const;
 
   std::shared_ptr<const TriangleMesh> skin_;
   PinholeCamera camera_;
