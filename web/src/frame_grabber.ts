@@ -14,33 +14,48 @@ export interface GrabbedFrame {
   info: PictureInfo | null;
 }
 
-/** Waits for the next picture and takes it, inside the call in which the browser shows it. */
+type PictureMetadata = VideoFrameCallbackMetadata & { rtpTimestamp?: number };
+
+/**
+ * Waits for the next picture and takes it. The picture is held first and named by what is held:
+ * on a busy machine the browser may already show the next one when it calls back.
+ */
 export function grabFrame(live: LiveVideo): Promise<GrabbedFrame> {
   return new Promise((resolve, reject) => {
-    live.video.requestVideoFrameCallback((_now, frame) => {
-      const canvas = new OffscreenCanvas(frame.width, frame.height);
-      const context = canvas.getContext('2d', { willReadFrequently: true });
-      const rtp = (frame as VideoFrameCallbackMetadata & { rtpTimestamp?: number }).rtpTimestamp;
-      if (!context || rtp === undefined) {
-        reject(new Error('this browser cannot tell which picture it shows'));
+    const take = (_now: number, metadata: PictureMetadata): void => {
+      const held = new VideoFrame(live.video);
+      const rtp = stampOf(held, metadata);
+      if (rtp === undefined) {
+        held.close();
+        live.video.requestVideoFrameCallback(take);
         return;
       }
-      context.drawImage(live.video, 0, 0, frame.width, frame.height);
-      const { data } = context.getImageData(0, 0, frame.width, frame.height);
+      const { displayWidth: width, displayHeight: height } = held;
+      const context = new OffscreenCanvas(width, height).getContext('2d');
+      context?.drawImage(held, 0, 0);
+      held.close();
+      if (!context) {
+        reject(new Error('this browser gives no canvas'));
+        return;
+      }
+      const pixels = toBase64(context.getImageData(0, 0, width, height).data);
+      const at_ms = metadata.expectedDisplayTime;
       const finish = (): void =>
-        resolve({
-          rtp,
-          at_ms: frame.expectedDisplayTime,
-          width: frame.width,
-          height: frame.height,
-          pixels: toBase64(data),
-          info: live.pictures.get(rtp) ?? null,
-        });
+        resolve({ rtp, at_ms, width, height, pixels, info: live.pictures.get(rtp) ?? null });
       // The words may come a little after the picture.
       if (live.pictures.get(rtp)) finish();
-      else setTimeout(finish, 100);
-    });
+      else setTimeout(finish, 200);
+    };
+    live.video.requestVideoFrameCallback(take);
   });
+}
+
+/** The RTP stamp of the held picture; undefined where it is not the one of the metadata. */
+function stampOf(held: VideoFrame, metadata: PictureMetadata): number | undefined {
+  const own = (held as VideoFrame & { metadata?: () => { rtpTimestamp?: number } }).metadata?.();
+  if (own?.rtpTimestamp !== undefined) return own.rtpTimestamp;
+  const isSame = Math.abs(held.timestamp - metadata.mediaTime * 1e6) < 1;
+  return isSame ? metadata.rtpTimestamp : undefined;
 }
 
 function toBase64(bytes: Uint8ClampedArray): string {
