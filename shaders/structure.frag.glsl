@@ -17,7 +17,7 @@ void main() {
   n *= facing < 0.0 ? -1.0 : 1.0;  // The inside of an open surface.
   facing = abs(facing);
   float key = max(dot(n, kKeyLight), 0.0);
-  float light = 0.10 + 0.55 * facing + 0.40 * key;
+  float light = 0.14 + 0.55 * facing + 0.42 * key;
   float edge = smoothstep(0.0, 0.55, facing);
   float depth = clamp((position_mm.z - depth_range_mm.x) / (depth_range_mm.y - depth_range_mm.x), 0.0, 1.0);
   vec3 shade = mix(vec3(1.0), vec3(0.42, 0.47, 0.56), depth) * mix(0.30, 1.0, edge);

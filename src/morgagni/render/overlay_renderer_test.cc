@@ -78,9 +78,10 @@ OverlayView everywhere(const PinholeCamera& camera, const Eigen::Isometry3d& pos
   return {.color_camera = camera, .color_from_ct = pose, .opacity = 1.0F, .hole = {.radius = 2.0F}};
 }
 
-/// Red bones on a grey picture: the redder, the more of the pixel is bone.
+/// Red bones on a grey picture: green is what is left of the picture, 50 of 100 in an open hole.
+/// More than half of the pixel is bone where less than half of that is left.
 bool is_bone(const Rgba8& pixel) {
-  return pixel.r > pixel.g + 3;
+  return pixel.g < 25;
 }
 
 /// Middle of the bone's pixels.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "morgagni/geometry/depth_raster.h"
@@ -127,34 +128,59 @@ float light_between(const std::array<ShadedVertex, 3>& corners, float x, float y
   return (weight_a * a.light + weight_b * b.light + weight_c * c.light) / sum;
 }
 
-/// Averages the samples of each pixel.
+/// The colour of one pixel from its samples, the mean of them.
+class PixelColor {
+ public:
+  PixelColor(const TriangleMesh& mesh, const DepthRaster& raster, std::vector<ShadedVertex> shaded)
+      : mesh_(mesh), raster_(raster), shaded_(std::move(shaded)) {}
+
+  [[nodiscard]] Rgb8 at(int x, int y) const {
+    static_assert(kSamplesPerSide == 2);
+    const int left = 2 * x;
+    const int top = 2 * y;
+    const std::array<std::uint32_t, 4> seen{raster_.triangle_idx(left, top),
+                                            raster_.triangle_idx(left + 1, top),
+                                            raster_.triangle_idx(left, top + 1),
+                                            raster_.triangle_idx(left + 1, top + 1)};
+    // Most pixels lie within one triangle or on the background: one look is enough.
+    if (seen[0] == seen[1] && seen[0] == seen[2] && seen[0] == seen[3]) {
+      return to_rgb(
+          sample(seen[0], static_cast<float>(left) + 0.5F, static_cast<float>(top) + 0.5F));
+    }
+    Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+    for (int i = 0; i < 4; ++i) {
+      sum += sample(seen[i], static_cast<float>(left + i % 2), static_cast<float>(top + i / 2));
+    }
+    return to_rgb(0.25F * sum);
+  }
+
+ private:
+  [[nodiscard]] Eigen::Vector3f sample(std::uint32_t idx, float x, float y) const {
+    if (idx == DepthRaster::kNothing) return kBackground;
+    const auto& [a, b, c] = mesh_.triangles[idx];
+    return kClay * light_between({shaded_[a], shaded_[b], shaded_[c]}, x, y);
+  }
+
+  static Rgb8 to_rgb(const Eigen::Vector3f& color) {
+    return {static_cast<std::uint8_t>(color.x() + 0.5F),
+            static_cast<std::uint8_t>(color.y() + 0.5F),
+            static_cast<std::uint8_t>(color.z() + 0.5F)};
+  }
+
+  const TriangleMesh& mesh_;
+  const DepthRaster& raster_;
+  std::vector<ShadedVertex> shaded_;
+};
+
 Image<Rgb8> picture_of(const TriangleMesh& mesh,
                        const PinholeCamera& camera,
                        const Eigen::Isometry3d& camera_from_mesh) {
   const PinholeCamera fine = camera.scaled(kSamplesPerSide);
   const DepthRaster raster = rasterize_depth(mesh, fine, camera_from_mesh);
-  const std::vector<ShadedVertex> shaded = shaded_vertices(mesh, fine, camera_from_mesh);
-  const auto sample = [&](int x, int y) -> Eigen::Vector3f {
-    const std::uint32_t idx = raster.triangle_idx(x, y);
-    if (idx == DepthRaster::kNothing) return kBackground;
-    const auto& [a, b, c] = mesh.triangles[idx];
-    return kClay * light_between({shaded[a], shaded[b], shaded[c]},
-                                 static_cast<float>(x),
-                                 static_cast<float>(y));
-  };
-  constexpr float kShare = 1.0F / (kSamplesPerSide * kSamplesPerSide);
+  const PixelColor color(mesh, raster, shaded_vertices(mesh, fine, camera_from_mesh));
   Image<Rgb8> picture(camera.width_px, camera.height_px);
   for (int y = 0; y < picture.height(); ++y) {
-    for (int x = 0; x < picture.width(); ++x) {
-      Eigen::Vector3f sum = Eigen::Vector3f::Constant(0.5F);
-      for (int i = 0; i < kSamplesPerSide * kSamplesPerSide; ++i) {
-        sum += kShare * sample(x * kSamplesPerSide + i % kSamplesPerSide,
-                               y * kSamplesPerSide + i / kSamplesPerSide);
-      }
-      picture(x, y) = {static_cast<std::uint8_t>(sum.x()),
-                       static_cast<std::uint8_t>(sum.y()),
-                       static_cast<std::uint8_t>(sum.z())};
-    }
+    for (int x = 0; x < picture.width(); ++x) picture(x, y) = color.at(x, y);
   }
   return picture;
 }

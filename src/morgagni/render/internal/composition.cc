@@ -11,8 +11,8 @@ namespace mor::internal {
 namespace {
 
 constexpr float kEverywhereRadius = 2.0F;
-constexpr float kDarkening = 0.60F;     ///< Of the picture in the hole at opacity 1.
-constexpr float kRimDarkening = 0.82F;  ///< At its rim, as if the hole had a wall.
+constexpr float kDarkening = 0.50F;     ///< Of the picture in the hole at opacity 1.
+constexpr float kRimDarkening = 0.74F;  ///< At its rim, as if the hole had a wall.
 constexpr float kWallWidth = 2.5F;      ///< Times the rim's width.
 constexpr float kRingHalfWidthPx = 1.3F;
 constexpr float kRingStrength = 0.55F;
@@ -114,6 +114,34 @@ void copy_background(ImageView<const Rgb8> color, ImageView<Rgba8> picture) {
                       static_cast<int>(picture.stride() * 4),
                       color.width(),
                       color.height());
+}
+
+void smooth_outline(Layer& layer) {
+  const auto width = static_cast<std::size_t>(layer.box.width);
+  const auto height = static_cast<std::size_t>(layer.box.height);
+  if (width < 3 || height < 3) return;
+  Rgba8* const pixels = layer.pixels.data();
+  // The rows as they were drawn, for the row below still needs them.
+  std::vector<Rgba8> above(pixels, pixels + width);
+  std::vector<Rgba8> here(width);
+  for (std::size_t y = 1; y + 1 < height; ++y) {
+    Rgba8* const row = pixels + y * width;
+    const Rgba8* const below = row + width;
+    std::copy(row, row + width, here.begin());
+    for (std::size_t x = 1; x + 1 < width; ++x) {
+      const unsigned a = here[x].a;
+      const bool is_outline =
+          ((a ^ here[x - 1].a) | (a ^ here[x + 1].a) | (a ^ above[x].a) | (a ^ below[x].a)) != 0;
+      if (!is_outline) continue;
+      const auto mean = [&](std::uint8_t Rgba8::*channel) {
+        const unsigned sides =
+            here[x - 1].*channel + here[x + 1].*channel + above[x].*channel + below[x].*channel;
+        return static_cast<std::uint8_t>((4U * (here[x].*channel) + sides + 4U) / 8U);
+      };
+      row[x] = {mean(&Rgba8::r), mean(&Rgba8::g), mean(&Rgba8::b), mean(&Rgba8::a)};
+    }
+    above.swap(here);
+  }
 }
 
 void compose_hole(const HoleMask& mask, const Layer& structures, ImageView<Rgba8> picture) {

@@ -45,6 +45,10 @@ class HoleMask {
 /// The colour picture, opaque.
 void copy_background(ImageView<const Rgb8> color, ImageView<Rgba8> picture);
 
+/// Softens the outline of what is drawn, where the device takes one sample a pixel: its stairs are
+/// blended into what is beside them, and nothing else is.
+void smooth_outline(Layer& layer);
+
 /// Opens the hole: the picture darker in it and the structures inside. `structures` lies within the
 /// hole's box.
 void compose_hole(const HoleMask& mask, const Layer& structures, ImageView<Rgba8> picture);

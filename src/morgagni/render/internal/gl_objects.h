@@ -72,6 +72,8 @@ class RenderTarget {
   /// Reads `width` x `height` pixels from the corner of row 0. Waits for the drawing.
   void read(int width, int height, void* rgba);
 
+  [[nodiscard]] bool has_many_samples() const { return num_samples_ > 1; }
+
  private:
   [[nodiscard]] Result<void> allocate(int width, int height);
 
