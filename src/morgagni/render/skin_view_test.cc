@@ -38,7 +38,7 @@ bool is_hidden_or_at_an_outline(const SkinView& view,
 
 TEST(SkinView, PicksBackTheVerticesItShows) {
   TriangleMesh skin = testing::make_sphere({20.0, -30.0, 400.0}, 100.0, 60);
-  testing::append(skin, testing::make_torus({20.0, -150.0, 400.0}, 30.0, 12.0, 80, 30));
+  testing::append(skin, testing::make_torus({20.0, -180.0, 400.0}, 30.0, 12.0, 80, 30));
   const SkinView view = draw_skin_view(skin, {.yaw_rad = 0.4, .pitch_rad = 0.2});
   int num_picked = 0;
   for (std::size_t i = 0; i < skin.vertices.size(); ++i) {
