@@ -33,7 +33,7 @@ export function slider(
   onChange: (value: number) => void,
 ): Slider {
   const input = h('input', { type: 'range', 'aria-label': label, ...range });
-  const shown = h('output', { class: 'value' });
+  const shown = h('span', { class: 'value', 'aria-hidden': 'true' });
   let held = false;
   const paint = (): void => {
     const value = Number(input.value);
