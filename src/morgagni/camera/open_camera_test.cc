@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <filesystem>
+
+#include <gmock/gmock.h>
+
+#include "morgagni/camera/range_camera.h"
+
+namespace mor {
+namespace {
+
+using testing::HasSubstr;
+
+std::string error_of(const std::string& name) {
+  const auto camera = open_camera(name, nullptr);
+  return camera ? "opened" : camera.error().message;
+}
+
+TEST(OpenCamera, NamesTheKindsThatThereAre) {
+  for (const char* name : {"", "kinect", "kinect:0", "simulated", "tum", ":", "TUM:x"}) {
+    EXPECT_THAT(error_of(name), AllOf(HasSubstr("simulated:"), HasSubstr("tum:DIR"))) << name;
+  }
+}
+
+TEST(OpenCamera, PassesOnWhatIsWrongWithTheOptions) {
+  EXPECT_THAT(error_of("simulated:path=up"), HasSubstr("orbit"));
+  EXPECT_THAT(error_of("simulated:"), HasSubstr("skin"));
+  EXPECT_THAT(error_of("tum:"), HasSubstr("needs a folder"));
+  EXPECT_THAT(error_of("tum:/nowhere"), HasSubstr("/nowhere"));
+  EXPECT_THAT(error_of("tum:/nowhere,loop=2"), HasSubstr("loop must be one of 0, 1"));
+  EXPECT_THAT(error_of("tum:/nowhere,speed=2"), HasSubstr("real, full"));
+  EXPECT_THAT(error_of("tum:/nowhere,lop=1"), AllOf(HasSubstr("'lop'"), HasSubstr("loop, speed")));
+}
+
+TEST(OpenCamera, OpensTheSimulationAndARecording) {
+  auto skin = std::make_shared<TriangleMesh>();
+  skin->vertices = {{0, 0, 0}, {100, 0, 0}, {0, 10, 100}};
+  skin->triangles = {{0, 1, 2}};
+  const auto simulated = open_camera("simulated:width=64,height=48,speed=full", skin);
+  ASSERT_TRUE(simulated) << simulated.error().message;
+  EXPECT_EQ((*simulated)->calibration().depth.width_px, 64);
+  EXPECT_TRUE((*simulated)->next_frame({}).value());
+
+  const auto folder = std::filesystem::path(MORGAGNI_DATA_DIR) / "synthetic_rgbd" / "head_seq";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
+  const auto tum = open_camera("tum:" + folder.string() + ",loop=1,speed=full", nullptr);
+  ASSERT_TRUE(tum) << tum.error().message;
+  EXPECT_EQ((*tum)->next_frame({}).value()->frame_id, 0U);
+}
+
+}  // namespace
+}  // namespace mor

@@ -1,0 +1,205 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/camera/simulated_camera.h"
+
+#include <cmath>
+#include <numbers>
+#include <thread>
+
+#include <gmock/gmock.h>
+
+#include "morgagni/geometry/rigid.h"
+
+namespace mor {
+namespace {
+
+using testing::HasSubstr;
+
+/// A ball of 80 mm radius, one kind of head.
+std::shared_ptr<const TriangleMesh> head() {
+  auto mesh = std::make_shared<TriangleMesh>();
+  constexpr unsigned kRings = 60;
+  constexpr unsigned kColumns = 120;
+  for (unsigned ring = 0; ring <= kRings; ++ring) {
+    for (unsigned column = 0; column < kColumns; ++column) {
+      const double polar = std::numbers::pi * ring / kRings;
+      const double azimuth = 2.0 * std::numbers::pi * column / kColumns;
+      const Eigen::Vector3d direction(std::sin(polar) * std::cos(azimuth),
+                                      std::sin(polar) * std::sin(azimuth),
+                                      std::cos(polar));
+      mesh->vertices.push_back(
+          (Eigen::Vector3d(40.0, -120.0, 75.0) + 80.0 * direction).cast<float>());
+    }
+  }
+  for (unsigned ring = 0; ring < kRings; ++ring) {
+    for (unsigned column = 0; column < kColumns; ++column) {
+      const unsigned next = (column + 1) % kColumns;
+      const unsigned a = ring * kColumns + column;
+      const unsigned b = ring * kColumns + next;
+      mesh->triangles.push_back({a, a + kColumns, b});
+      mesh->triangles.push_back({b, a + kColumns, b + kColumns});
+    }
+  }
+  return mesh;
+}
+
+std::unique_ptr<SimulatedCamera> open(const SimulatedCameraOptions& options) {
+  return SimulatedCamera::create(head(), options).value();
+}
+
+TEST(SimulatedCameraOptions, ReadEveryKey) {
+  const auto options = SimulatedCameraOptions::parse(
+      "seed=7,width=320,height=240,fps=15,distance=650,path=sway,noise=0,frames=9,speed=full");
+  ASSERT_TRUE(options) << options.error().message;
+  EXPECT_EQ(options->seed, 7U);
+  EXPECT_EQ(options->width_px, 320);
+  EXPECT_EQ(options->height_px, 240);
+  EXPECT_EQ(options->frames_per_s, 15.0);
+  EXPECT_EQ(options->distance_mm, 650.0);
+  EXPECT_EQ(options->path, SimulatedPath::kSway);
+  EXPECT_FALSE(options->has_noise);
+  EXPECT_EQ(options->num_frames, 9U);
+  EXPECT_FALSE(options->is_real_time);
+  EXPECT_TRUE(SimulatedCameraOptions::parse(""));
+}
+
+TEST(SimulatedCameraOptions, NameTheBadKeyOrValueAndWhatIsAllowed) {
+  const auto error_of = [](const char* text) {
+    const auto options = SimulatedCameraOptions::parse(text);
+    return options ? "accepted" : options.error().message;
+  };
+  EXPECT_THAT(error_of("sed=1"), AllOf(HasSubstr("'sed'"), HasSubstr("seed, width")));
+  EXPECT_THAT(error_of("seed"), HasSubstr("'seed' must be written key=value"));
+  EXPECT_THAT(error_of("seed=-1"), HasSubstr("seed must be in"));
+  EXPECT_THAT(error_of("seed=99999999999999999999999"), HasSubstr("seed must be in"));
+  EXPECT_THAT(error_of("width=63"), HasSubstr("width must be in [64, 1920], got '63'"));
+  EXPECT_THAT(error_of("height=99999"), HasSubstr("height must be in"));
+  EXPECT_THAT(error_of("fps=nan"), HasSubstr("fps must be in"));
+  EXPECT_THAT(error_of("fps=0"), HasSubstr("fps must be in"));
+  EXPECT_THAT(error_of("distance=60 cm"), HasSubstr("distance must be in"));
+  EXPECT_THAT(error_of("path=spiral"), HasSubstr("one of orbit, sway, still, got 'spiral'"));
+  EXPECT_THAT(error_of("noise=yes"), HasSubstr("noise must be one of 0, 1"));
+  EXPECT_THAT(error_of("speed=fast"), HasSubstr("real, full"));
+}
+
+TEST(SimulatedCamera, NeedsASkinAndGoodOptions) {
+  EXPECT_THAT(SimulatedCamera::create(nullptr, {}).error().message, HasSubstr("skin"));
+  EXPECT_THAT(SimulatedCamera::create(std::make_shared<TriangleMesh>(), {}).error().message,
+              HasSubstr("skin"));
+  EXPECT_THAT(SimulatedCamera::create(head(), {.width_px = 1}).error().message, HasSubstr("width"));
+  EXPECT_THAT(SimulatedCamera::create(head(), {.frames_per_s = NAN}).error().message,
+              HasSubstr("fps"));
+}
+
+TEST(SimulatedCamera, SeesTheSkinWhereTheTruthPutsIt) {
+  const auto camera = open({.has_noise = false});
+  for (const std::uint64_t id : {0U, 100U, 1000U}) {
+    const auto frame = camera->frame_at(id);
+    const auto ct_from_camera = camera->ct_from_camera(id);
+    int num_on_skin = 0;
+    for (int y = 0; y < 480; y += 4) {
+      for (int x = 0; x < 640; x += 4) {
+        const double z_mm = frame->depth_mm(x, y);
+        const Eigen::Vector2d ray = camera->calibration().depth.ray({x, y});
+        const Eigen::Vector3d p =
+            ct_from_camera * Eigen::Vector3d(ray.x() * z_mm, ray.y() * z_mm, z_mm);
+        const double off_skin_mm = (p - Eigen::Vector3d(40.0, -120.0, 75.0)).norm() - 80.0;
+        const double off_table_mm = std::abs(p.y() + 40.0);
+        const double off_floor_mm = std::abs(p.y() - 740.0);
+        // Half a millimetre of rounding, and the ball's facets.
+        EXPECT_LT(std::min({std::abs(off_skin_mm), off_table_mm, off_floor_mm}), 1.0);
+        num_on_skin += std::abs(off_skin_mm) < 1.0 ? 1 : 0;
+      }
+    }
+    EXPECT_GT(num_on_skin, 300);
+  }
+}
+
+TEST(SimulatedCamera, StartsInFrontOfTheBodyWithItsHeadUp) {
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
+    const auto camera = open({.seed = seed, .distance_mm = 600.0});
+    // The virtual placement: on the anterior side, looking to the back, feet towards the bottom.
+    Eigen::Isometry3d placed = Eigen::Isometry3d::Identity();
+    placed.linear() << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+    placed.translation() << 40.0, -200.0 - 600.0, 75.0;
+    const auto start = camera->ct_from_camera(0);
+    EXPECT_LT((start.translation() - placed.translation()).norm(), 70.0);
+    EXPECT_LT(rotation_angle_rad(placed.inverse() * start), 6.0 * std::numbers::pi / 180.0);
+  }
+}
+
+TEST(SimulatedCamera, MovesNoFasterThanACarefulHandAndKeepsTheBodyInView) {
+  for (const auto path : {SimulatedPath::kOrbit, SimulatedPath::kSway}) {
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      const auto camera = open({.seed = seed, .path = path});
+      double travelled_mm = 0.0;
+      for (std::uint64_t id = 0; id < 30 * 60; ++id) {
+        const auto now = camera->ct_from_camera(id);
+        const auto next = camera->ct_from_camera(id + 1);
+        const double speed_mm_s = 30.0 * (next.translation() - now.translation()).norm();
+        const double turn_rad_s = 30.0 * rotation_angle_rad(now.inverse() * next);
+        ASSERT_LT(speed_mm_s, 150.0) << id;
+        ASSERT_LT(turn_rad_s, 20.0 * std::numbers::pi / 180.0) << id;
+        travelled_mm += speed_mm_s / 30.0;
+        const auto middle = camera->calibration().color.project(
+            now.inverse() * Eigen::Vector3d(40.0, -120.0, 75.0));
+        ASSERT_TRUE(middle);
+        ASSERT_LT((*middle - Eigen::Vector2d(320.0, 240.0)).norm(), 120.0);
+      }
+      EXPECT_GT(travelled_mm, 300.0);
+    }
+  }
+}
+
+TEST(SimulatedCamera, StandsStillWhereAskedTo) {
+  const auto camera = open({.path = SimulatedPath::kStill});
+  EXPECT_TRUE(camera->ct_from_camera(0).isApprox(camera->ct_from_camera(999), 0.0));
+}
+
+TEST(SimulatedCamera, GivesTheSameFrameInWhateverOrderItIsAsked) {
+  const auto camera = open({.seed = 5, .width_px = 320, .height_px = 240});
+  const auto first = camera->frame_at(3);
+  (void)camera->frame_at(70);
+  const auto again = open({.seed = 5, .width_px = 320, .height_px = 240})->frame_at(3);
+  EXPECT_EQ(first->depth_mm, again->depth_mm);
+  EXPECT_EQ(first->color, again->color);
+  const auto other = open({.seed = 6, .width_px = 320, .height_px = 240})->frame_at(3);
+  EXPECT_FALSE(first->depth_mm == other->depth_mm);
+}
+
+TEST(SimulatedCamera, CountsEveryFrameAtFullSpeedAndEnds) {
+  const auto camera =
+      open({.width_px = 64, .height_px = 48, .num_frames = 5, .is_real_time = false});
+  for (std::uint64_t id = 0; id < 5; ++id) {
+    const auto frame = camera->next_frame({});
+    ASSERT_TRUE(frame && *frame);
+    EXPECT_EQ((*frame)->frame_id, id);
+    EXPECT_EQ((*frame)->depth_mm, camera->frame_at(id)->depth_mm);
+  }
+  EXPECT_EQ(camera->next_frame({}).value(), nullptr);
+}
+
+TEST(SimulatedCamera, IsPacedByTheClockAndSkipsWhatASlowCallerMissed) {
+  const auto camera = open({.width_px = 64, .height_px = 48, .frames_per_s = 50.0});
+  const auto first = camera->next_frame({}).value();
+  const auto second = camera->next_frame({}).value();
+  EXPECT_EQ(first->frame_id, 0U);
+  EXPECT_EQ(second->captured_at - first->captured_at,
+            std::chrono::milliseconds(20) * (second->frame_id - first->frame_id));
+  EXPECT_GE(std::chrono::steady_clock::now(), second->captured_at);
+  std::this_thread::sleep_for(std::chrono::milliseconds(110));  // A caller that is busy.
+  EXPECT_GE(camera->next_frame({}).value()->frame_id, second->frame_id + 5);
+}
+
+TEST(SimulatedCamera, StopsWaitingWhenAsked) {
+  const auto camera = open({.width_px = 64, .height_px = 48, .frames_per_s = 1.0});
+  ASSERT_TRUE(camera->next_frame({}).value());
+  std::stop_source stop;
+  const auto begin = std::chrono::steady_clock::now();
+  const std::jthread stopper([&] { stop.request_stop(); });
+  EXPECT_EQ(camera->next_frame(stop.get_token()).value(), nullptr);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(800));
+}
+
+}  // namespace
+}  // namespace mor
