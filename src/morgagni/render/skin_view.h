@@ -34,7 +34,7 @@ struct SkinView {
   [[nodiscard]] std::optional<Eigen::Vector3d> ct_point(const Eigen::Vector2d& pixel) const;
 };
 
-/// Drawn on the CPU, lit from the viewer: any thread, no GL. @cost About 10 ms at 640x480.
+/// Drawn on the CPU, lit from the viewer: any thread, no GL. @cost About 40 ms at 640x480.
 [[nodiscard]] SkinView draw_skin_view(const TriangleMesh& skin, const SkinViewpoint& viewpoint);
 
 }  // namespace mor
