@@ -26,6 +26,8 @@ export class App {
   private mode: Mode = 'live';
   private status: Status | undefined;
   private heard_ms = 0;
+  /** The server's status shows the landmarks that were begun on this page. */
+  private landmarksSeen = false;
   private view: View | undefined;
   private info: CaseInfo | undefined;
   private readonly toast = new Toast();
@@ -113,10 +115,9 @@ export class App {
       this.setMode('live');
       this.toast.say('The body is found: tracking.', 'good');
     }
-    // Another tablet may have ended or begun it.
-    if (this.mode === 'landmarks' && before?.starting === 'landmarks' && !status.starting) {
-      this.setMode('live');
-    }
+    // Another tablet may have ended what was begun here.
+    if (this.landmarks.isBegun && status.starting === 'landmarks') this.landmarksSeen = true;
+    if (this.landmarksSeen && status.starting !== 'landmarks') this.setMode('live');
     this.refresh();
   }
 
@@ -124,7 +125,8 @@ export class App {
     if (performance.now() - this.heard_ms > SILENCE_MS) this.status = undefined;
     this.figures.show(this.status, this.live);
     this.stage.showBanner(
-      bannerOf(this.live.state(), this.live.ageMs(), this.live.problem, this.status));
+      bannerOf(this.live.state(), this.live.ageMs(), this.live.problem, this.status,
+        this.mode === 'landmarks'));
   }
 
   private changeView(change: Partial<View>): void {
@@ -148,6 +150,7 @@ export class App {
   private setMode(mode: Mode): void {
     if (this.mode === 'landmarks' && mode !== 'landmarks') this.landmarks.close();
     this.mode = mode;
+    this.landmarksSeen = false;
     this.element.className = `app ${mode}`;
     this.stage.showHint(
       mode === 'placement' ? 'Move the camera until the body and the outline match' : '');

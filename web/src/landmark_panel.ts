@@ -13,6 +13,8 @@ import { button, type Toast } from './widgets';
 export class LandmarkPanel {
   readonly skin: SkinPane;
   readonly bar: HTMLElement;
+  /** The server knows that points are being tapped here. */
+  isBegun = false;
 
   private readonly landmarks = new Landmarks();
   private solution: LandmarkSolution | undefined;
@@ -40,6 +42,7 @@ export class LandmarkPanel {
   /** The live picture stands from here on. */
   async begin(): Promise<void> {
     await api.beginLandmarks();
+    this.isBegun = true;
     this.landmarks.clear();
     this.skin.onTap = (viewpoint, pixel) => void this.tapCt(viewpoint, pixel);
     this.stage.onTap = (point) => void this.tapLive(point);
@@ -58,6 +61,7 @@ export class LandmarkPanel {
   }
 
   close(): void {
+    this.isBegun = false;
     this.stage.onTap = undefined;
     this.skin.onTap = undefined;
     this.landmarks.clear();

@@ -33,13 +33,14 @@ export function bannerOf(
   age_ms: number,
   problem: string,
   status: Status | undefined,
+  isPicking = false,
 ): Banner | undefined {
   if (connection === 'connecting') return { kind: 'calm', text: 'Connecting …' };
   if (connection === 'gone') {
     return { kind: 'bad', text: `No live picture. ${problem} Trying again …` };
   }
   if (status?.camera_error) return { kind: 'bad', text: `Camera: ${status.camera_error}` };
-  if (status?.starting === 'landmarks') return undefined;
+  if (isPicking) return undefined;
   if (status?.frozen) return { kind: 'calm', text: 'Frozen: this is not the live picture' };
   if (connection === 'stale') {
     return { kind: 'bad', text: `The picture stands still: ${(age_ms / 1000).toFixed(0)} s old` };

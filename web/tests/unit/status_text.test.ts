@@ -24,7 +24,12 @@ describe('bannerOf', () => {
 
   it('is calm where the user froze the picture', () => {
     expect(bannerOf('stale', 3200, '', status({ frozen: true }))?.kind).toBe('calm');
-    expect(bannerOf('stale', 3200, '', status({ frozen: true, starting: 'landmarks' }))).toBeUndefined();
+  });
+
+  it('knows that the picture stands while points are tapped here, and says so elsewhere', () => {
+    const picking = status({ frozen: true, starting: 'landmarks' });
+    expect(bannerOf('stale', 3200, '', picking, true)).toBeUndefined();
+    expect(bannerOf('stale', 3200, '', picking)?.kind).toBe('calm');
   });
 });
 

@@ -189,11 +189,11 @@ class PretendedSession {
   }
   HttpResponse accept(const HttpRequest& request) {
     if (const auto solved = solve(request); solved.status != 200) return solved;
-    status_.merge_patch({{"starting", nullptr}, {"frozen", false}, {"state", "tracking"}});
+    status_.update({{"starting", nullptr}, {"frozen", false}, {"state", "tracking"}});
     return ok(json::object());
   }
   HttpResponse cancel(const HttpRequest&) {
-    status_.merge_patch({{"starting", nullptr}, {"frozen", false}});
+    status_.update({{"starting", nullptr}, {"frozen", false}});
     return ok(json::object());
   }
   HttpResponse freeze(const HttpRequest& request) {
@@ -210,7 +210,7 @@ class PretendedSession {
     width_ = change.value("width", width_);
     height_ = change.value("height", height_);
     for (const auto* name : {"stalls", "width", "height"}) change.erase(name);
-    status_.merge_patch(change);
+    status_.update(change);
     return ok(json::object());
   }
   HttpResponse skin_view(const HttpRequest& request) {
