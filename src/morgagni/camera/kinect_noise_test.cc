@@ -16,26 +16,38 @@ IdealDepth wall(float z_mm, std::uint8_t facing = 255) {
   return {Image<float>(320, 240, z_mm), Image<std::uint8_t>(320, 240, facing)};
 }
 
+/// A wall that leans by some disparity steps across the picture: readings meet every phase of one.
+IdealDepth leaning_wall(float z_mm, std::uint8_t facing) {
+  auto scene = wall(z_mm, facing);
+  const auto lean_mm = static_cast<float>(4.0 * kinect::depth_step_mm(z_mm));
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 0; x < 320; ++x) {
+      scene.z_mm(x, y) += lean_mm * (static_cast<float>(x) / 319.0F - 0.5F);
+    }
+  }
+  return scene;
+}
+
 struct Spread {
-  double mean_mm = 0.0;
+  double bias_mm = 0.0;
   double sd_mm = 0.0;
   double share_read = 0.0;
 };
 
-Spread spread_of(const Image<std::uint16_t>& depth_mm) {
+Spread spread_of(const Image<std::uint16_t>& seen_mm, const IdealDepth& scene) {
   double sum = 0.0;
   double squares = 0.0;
   double count = 0.0;
-  for (std::size_t i = 0; i < depth_mm.size(); ++i) {
-    const double z = depth_mm.data()[i];
-    if (z == 0.0) continue;
-    sum += z;
-    squares += z * z;
+  for (std::size_t i = 0; i < seen_mm.size(); ++i) {
+    if (seen_mm.data()[i] == 0) continue;
+    const double error_mm = seen_mm.data()[i] - static_cast<double>(scene.z_mm.data()[i]);
+    sum += error_mm;
+    squares += error_mm * error_mm;
     ++count;
   }
   const double mean = sum / count;
   return {
-      mean, std::sqrt(squares / count - mean * mean), count / static_cast<double>(depth_mm.size())};
+      mean, std::sqrt(squares / count - mean * mean), count / static_cast<double>(seen_mm.size())};
 }
 
 TEST(KinectNoise, SpreadsDepthAsNguyenMeasuredIt) {
@@ -43,10 +55,11 @@ TEST(KinectNoise, SpreadsDepthAsNguyenMeasuredIt) {
   for (const double angle_rad : {0.0, 0.5, 1.1}) {
     for (const float z_mm : {600.0F, 700.0F, 1000.0F, 1500.0F, 2500.0F}) {
       const auto facing = static_cast<std::uint8_t>(std::lround(255.0 * std::cos(angle_rad)));
-      const auto spread = spread_of(noise.apply(wall(z_mm, facing), 0));
+      const auto scene = leaning_wall(z_mm, facing);
+      const auto spread = spread_of(noise.apply(scene, 0), scene);
       const double expected_mm = kinect::axial_sd_mm(z_mm, angle_rad);
       EXPECT_NEAR(spread.sd_mm / expected_mm, 1.0, 0.1) << z_mm << ' ' << angle_rad;
-      EXPECT_NEAR(spread.mean_mm, z_mm, 0.1 * expected_mm) << z_mm;
+      EXPECT_NEAR(spread.bias_mm, 0.0, 0.1 * expected_mm) << z_mm;
       EXPECT_GT(spread.share_read, 0.99);
     }
   }
@@ -105,8 +118,8 @@ TEST(KinectNoise, LosesReadingsAtGrazingAnglesAndAtEdges) {
   const KinectNoise noise(kFocalPx, 3);
   const auto share = [&](double angle_deg) {
     const double cosine = std::cos(angle_deg * std::numbers::pi / 180.0);
-    return spread_of(noise.apply(wall(700.0F, static_cast<std::uint8_t>(255.0 * cosine)), 0))
-        .share_read;
+    const auto scene = wall(700.0F, static_cast<std::uint8_t>(255.0 * cosine));
+    return spread_of(noise.apply(scene, 0), scene).share_read;
   };
   EXPECT_GT(share(60.0), 0.99);
   EXPECT_LT(share(80.0), 0.75);

@@ -25,8 +25,9 @@ struct SimulatedCameraOptions {
   int width_px = 640;          ///< [width] 64..1920.
   int height_px = 480;         ///< [height] 48..1080.
   double frames_per_s = 30.0;  ///< [fps] 1..120.
-  std::optional<double> distance_mm;  ///< [distance] To the body's foremost point at the start,
-                                      ///< 400..1500; by default far enough for the body to fit.
+  std::optional<double> distance_mm =
+      std::nullopt;  ///< [distance] To the body's foremost point at the start,
+                     ///< 400..1500; by default far enough for the body to fit.
   SimulatedPath path = SimulatedPath::kOrbit;  ///< [path] orbit | sway | still.
   bool has_noise = true;         ///< [noise] 0 | 1: Kinect v1 depth noise and grain in colour.
   std::uint64_t num_frames = 0;  ///< [frames] The camera ends after so many; 0: never.

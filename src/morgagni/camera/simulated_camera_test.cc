@@ -8,8 +8,6 @@
 
 #include <gmock/gmock.h>
 
-#include "morgagni/geometry/rigid.h"
-
 namespace mor {
 namespace {
 
@@ -112,42 +110,6 @@ TEST(SimulatedCamera, SeesTheSkinWhereTheTruthPutsIt) {
       }
     }
     EXPECT_GT(num_on_skin, 300);
-  }
-}
-
-TEST(SimulatedCamera, StartsInFrontOfTheBodyWithItsHeadUp) {
-  for (const std::uint64_t seed : {1U, 2U, 3U, 4U}) {
-    const auto camera = open({.seed = seed, .distance_mm = 600.0});
-    // The virtual placement: on the anterior side, looking to the back, feet towards the bottom.
-    Eigen::Isometry3d placed = Eigen::Isometry3d::Identity();
-    placed.linear() << 1, 0, 0, 0, 0, 1, 0, -1, 0;
-    placed.translation() << 40.0, -200.0 - 600.0, 75.0;
-    const auto start = camera->ct_from_camera(0);
-    EXPECT_LT((start.translation() - placed.translation()).norm(), 70.0);
-    EXPECT_LT(rotation_angle_rad(placed.inverse() * start), 6.0 * std::numbers::pi / 180.0);
-  }
-}
-
-TEST(SimulatedCamera, MovesNoFasterThanACarefulHandAndKeepsTheBodyInView) {
-  for (const auto path : {SimulatedPath::kOrbit, SimulatedPath::kSway}) {
-    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-      const auto camera = open({.seed = seed, .path = path});
-      double travelled_mm = 0.0;
-      for (std::uint64_t id = 0; id < 30 * 60; ++id) {
-        const auto now = camera->ct_from_camera(id);
-        const auto next = camera->ct_from_camera(id + 1);
-        const double speed_mm_s = 30.0 * (next.translation() - now.translation()).norm();
-        const double turn_rad_s = 30.0 * rotation_angle_rad(now.inverse() * next);
-        ASSERT_LT(speed_mm_s, 150.0) << id;
-        ASSERT_LT(turn_rad_s, 20.0 * std::numbers::pi / 180.0) << id;
-        travelled_mm += speed_mm_s / 30.0;
-        const auto middle = camera->calibration().color.project(
-            now.inverse() * Eigen::Vector3d(40.0, -120.0, 75.0));
-        ASSERT_TRUE(middle);
-        ASSERT_LT((*middle - Eigen::Vector2d(320.0, 240.0)).norm(), 120.0);
-      }
-      EXPECT_GT(travelled_mm, 300.0);
-    }
   }
 }
 

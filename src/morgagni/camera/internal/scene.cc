@@ -151,23 +151,44 @@ void Scene::draw_skin_pixel(const std::vector<Lit>& lit,
                          to_byte(pore * (w * a.b + u * b.b + v * c.b))};
 }
 
-void Scene::draw_room_pixel(
-    int x, int y, const Vector3f& eye_ct, const Vector3f& ray_ct, ScenePicture& picture) const {
-  if (ray_ct.y() <= 1e-3F) return;  // Above the horizon: darkness.
-  const float per_y = 1.0F / ray_ct.y();
-  const float cosine = ray_ct.y() * inverse_ray_length_(x, y);
+void Scene::cross_table(int y,
+                        const Vector3f& eye_ct,
+                        const Vector3f& first_ray_ct,
+                        const Vector3f& ray_step_ct,
+                        RoomRow& row) const {
+  constexpr float kAlongTable = 1e-3F;  // Flatter rays meet nothing within reach.
+  const float above_mm = table_.top_mm() - eye_ct.y();
+  const float* inverse_length = inverse_ray_length_.view().row(y);
+  for (std::size_t x = 0; x < row.texel.size(); ++x) {
+    const auto column = static_cast<float>(x);
+    const float down = first_ray_ct.y() + column * ray_step_ct.y();
+    const float z_mm = above_mm / std::max(down, kAlongTable);
+    const std::int32_t texel =
+        table_.texel_at(eye_ct.x() + z_mm * (first_ray_ct.x() + column * ray_step_ct.x()),
+                        eye_ct.z() + z_mm * (first_ray_ct.z() + column * ray_step_ct.z()));
+    row.cosine[x] = down > kAlongTable ? down * inverse_length[x] : -1.0F;
+    row.table_z_mm[x] = z_mm;
+    row.texel[x] = z_mm > 0.0F ? texel : -1;
+  }
+}
+
+void Scene::draw_room_pixel(int x,
+                            int y,
+                            const Vector3f& eye_ct,
+                            const Vector3f& ray_ct,
+                            const RoomRow& row,
+                            ScenePicture& picture) const {
+  const auto i = static_cast<std::size_t>(x);
+  const float cosine = row.cosine[i];
+  if (cosine <= 0.0F) return;  // Above the horizon: darkness.
   picture.depth.facing(x, y) = static_cast<std::uint8_t>(255.0F * cosine);
-  const float table_z_mm = (table_.top_mm() - eye_ct.y()) * per_y;
-  const Rgb8* wood = table_z_mm > 0.0F ? table_.color_at(eye_ct.x() + table_z_mm * ray_ct.x(),
-                                                         eye_ct.z() + table_z_mm * ray_ct.z())
-                                       : nullptr;
-  if (wood != nullptr) {
+  if (row.texel[i] >= 0) {
     const auto shade = static_cast<unsigned>(256.0F * (0.62F + 0.38F * cosine));
-    picture.depth.z_mm(x, y) = table_z_mm;
-    picture.color(x, y) = dimmed(*wood, shade);
+    picture.depth.z_mm(x, y) = row.table_z_mm[i];
+    picture.color(x, y) = dimmed(table_.texel(row.texel[i]), shade);
     return;
   }
-  const float floor_z_mm = (table_.floor_mm() - eye_ct.y()) * per_y;
+  const float floor_z_mm = (table_.floor_mm() - eye_ct.y()) / ray_ct.y();
   if (floor_z_mm <= 0.0F) return;
   const float grain = 2.0F * (pores_[pore_at(0.3F * (eye_ct + floor_z_mm * ray_ct))] - 1.0F);
   const auto shade = static_cast<unsigned>(256.0F * (0.55F + 0.43F * cosine) * (1.0F + grain));
@@ -206,24 +227,25 @@ ScenePicture Scene::draw(const Eigen::Isometry3d& ct_from_camera) const {
   const auto lit = light(ct_from_camera);
   const Eigen::Matrix3f rotation = ct_from_camera.linear().cast<float>();
   const Vector3f eye_ct = ct_from_camera.translation().cast<float>();
-  const auto per_column = static_cast<float>(1.0 / camera_.focal_x_px);
-  const auto per_row = static_cast<float>(1.0 / camera_.focal_y_px);
   ScenePicture picture{
       {std::move(raster.depth_mm), Image<std::uint8_t>(camera_.width_px, camera_.height_px, 0)},
       Image<Rgb8>(camera_.width_px, camera_.height_px)};
   Image<std::uint8_t> is_skin(camera_.width_px, camera_.height_px, 0);
+  RoomRow room(camera_.width_px);
+  const Vector3f step_x = rotation.col(0) * static_cast<float>(1.0 / camera_.focal_x_px);
+  const Vector3f step_y = rotation.col(1) * static_cast<float>(1.0 / camera_.focal_y_px);
+  const Vector3f first_ray = rotation.col(2) - step_x * static_cast<float>(camera_.center_x_px) -
+                             step_y * static_cast<float>(camera_.center_y_px);
   for (int y = 0; y < camera_.height_px; ++y) {
-    const float ray_y = (static_cast<float>(y) - static_cast<float>(camera_.center_y_px)) * per_row;
+    const Vector3f row_ray = first_ray + static_cast<float>(y) * step_y;
+    cross_table(y, eye_ct, row_ray, step_x, room);
     for (int x = 0; x < camera_.width_px; ++x) {
-      const float ray_x =
-          (static_cast<float>(x) - static_cast<float>(camera_.center_x_px)) * per_column;
-      const Vector3f ray_ct = rotation.col(0) * ray_x + rotation.col(1) * ray_y + rotation.col(2);
+      const Vector3f ray_ct = row_ray + static_cast<float>(x) * step_x;
       const auto triangle = raster.triangle_idx(x, y);
       if (triangle == DepthRaster::kNothing) {
-        draw_room_pixel(x, y, eye_ct, ray_ct, picture);
+        draw_room_pixel(x, y, eye_ct, ray_ct, room, picture);
       } else {
-        const Vector3f at_ct = eye_ct + picture.depth.z_mm(x, y) * ray_ct;
-        draw_skin_pixel(lit, triangle, x, y, at_ct, picture);
+        draw_skin_pixel(lit, triangle, x, y, eye_ct + picture.depth.z_mm(x, y) * ray_ct, picture);
         is_skin(x, y) = 1;
       }
     }

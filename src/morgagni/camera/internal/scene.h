@@ -47,10 +47,26 @@ class Scene {
                        int y,
                        const Eigen::Vector3f& at_ct,
                        ScenePicture& picture) const;
+  /// Where the rays of one row of pixels meet the table's plane.
+  struct RoomRow {
+    explicit RoomRow(int width)
+        : cosine(static_cast<std::size_t>(width)),
+          table_z_mm(static_cast<std::size_t>(width)),
+          texel(static_cast<std::size_t>(width)) {}
+    std::vector<float> cosine;  ///< Between ray and table; negative above the horizon.
+    std::vector<float> table_z_mm;
+    std::vector<std::int32_t> texel;  ///< -1 beyond the rim.
+  };
+  void cross_table(int y,
+                   const Eigen::Vector3f& eye_ct,
+                   const Eigen::Vector3f& first_ray_ct,
+                   const Eigen::Vector3f& ray_step_ct,
+                   RoomRow& row) const;
   void draw_room_pixel(int x,
                        int y,
                        const Eigen::Vector3f& eye_ct,
                        const Eigen::Vector3f& ray_ct,
+                       const RoomRow& row,
                        ScenePicture& picture) const;
   void soften_outline(const Image<std::uint8_t>& is_skin, Image<Rgb8>& color) const;
 

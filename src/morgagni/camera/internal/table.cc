@@ -19,6 +19,34 @@ float lattice(int x, int y, int z, std::uint64_t seed) {
   return static_cast<float>(to_unit(scramble(seed ^ (key << 20U))));
 }
 
+/// Smooth noise in the plane, from lattice values that are drawn once.
+class PlaneNoise {
+ public:
+  explicit PlaneNoise(std::uint64_t seed) : values_(std::size_t{kSide} * kSide) {
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      values_[i] = static_cast<float>(to_unit(scramble(seed * 0x10001U + i)));
+    }
+  }
+
+  [[nodiscard]] float at(float x, float y) const {
+    const int ix = static_cast<int>(x);  // Never negative here.
+    const int iy = static_cast<int>(y);
+    const float tx = eased(x - static_cast<float>(ix));
+    const float ty = eased(y - static_cast<float>(iy));
+    const float above = value(ix, iy) + tx * (value(ix + 1, iy) - value(ix, iy));
+    const float below = value(ix, iy + 1) + tx * (value(ix + 1, iy + 1) - value(ix, iy + 1));
+    return above + ty * (below - above);
+  }
+
+ private:
+  static constexpr int kSide = 256;
+  static float eased(float t) { return t * t * (3.0F - 2.0F * t); }
+  [[nodiscard]] float value(int x, int y) const {
+    return values_[static_cast<std::size_t>((y & (kSide - 1)) * kSide + (x & (kSide - 1)))];
+  }
+  std::vector<float> values_;
+};
+
 float eased(float t) {
   return t * t * (3.0F - 2.0F * t);
 }
@@ -111,6 +139,8 @@ Table::Table(const TriangleMesh& skin, std::uint64_t seed)
 
 /// Planks along the body, each of its own tone, with grain that is stretched along it.
 void Table::paint_wood(std::uint64_t seed) {
+  const PlaneNoise waves(seed + 1);
+  const PlaneNoise fibers(seed + 2);
   for (int row = 0; row < picture_.height(); ++row) {
     const float z_mm = static_cast<float>(row) / kTexelsPerMm;
     for (int column = 0; column < picture_.width(); ++column) {
@@ -118,9 +148,9 @@ void Table::paint_wood(std::uint64_t seed) {
       const float plank = std::floor(x_mm / kPlankMm);
       const float in_plank_mm = x_mm - plank * kPlankMm;
       const float own = lattice(static_cast<int>(plank), 7, 3, seed);
-      const float wave = smooth_noise(x_mm / 60.0F, z_mm / 260.0F, 9.0F * own, seed + 1);
-      const float grain = smooth_noise(x_mm / 5.0F + 14.0F * wave, z_mm / 190.0F, plank, seed + 2);
-      const float fiber = smooth_noise(x_mm / 1.6F, z_mm / 45.0F, plank, seed + 3);
+      const float wave = waves.at(x_mm / 60.0F, z_mm / 260.0F + 9.0F * own);
+      const float grain = fibers.at(x_mm / 5.0F + 14.0F * wave, z_mm / 190.0F + 31.0F * plank);
+      const float fiber = fibers.at(x_mm / 1.6F, z_mm / 45.0F + 57.0F * plank);
       const float seam_mm = std::min(in_plank_mm, kPlankMm - in_plank_mm);
       const float seam = seam_mm < 1.3F ? 0.55F : 1.0F;
       const float tone = seam * (0.74F + 0.14F * own + 0.16F * grain + 0.07F * fiber);

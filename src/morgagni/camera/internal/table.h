@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -21,14 +22,18 @@ class Table {
   [[nodiscard]] float top_mm() const { return top_mm_; }
   [[nodiscard]] float floor_mm() const { return top_mm_ + kHeightMm; }
 
-  /// Colour at (x, z) of the table's plane; null beyond its rim.
-  [[nodiscard]] const Rgb8* color_at(float x_mm, float z_mm) const {
-    const int column = static_cast<int>((x_mm - left_mm_) * kTexelsPerMm);
-    const int row = static_cast<int>((z_mm - foot_mm_) * kTexelsPerMm);
-    const bool is_on = x_mm >= left_mm_ && z_mm >= foot_mm_ && column < picture_.width() &&
-                       row < picture_.height();
-    return is_on ? &picture_(column, row) : nullptr;
+  /// Where (x, z) of the table's plane lies in its picture; -1 beyond the rim. No branches: it is
+  /// asked for whole rows.
+  [[nodiscard]] std::int32_t texel_at(float x_mm, float z_mm) const {
+    const auto column = static_cast<std::int32_t>(
+        std::clamp((x_mm - left_mm_) * kTexelsPerMm, -1.0F, static_cast<float>(picture_.width())));
+    const auto row = static_cast<std::int32_t>(
+        std::clamp((z_mm - foot_mm_) * kTexelsPerMm, -1.0F, static_cast<float>(picture_.height())));
+    const bool is_on =
+        (column >= 0) & (row >= 0) & (column < picture_.width()) & (row < picture_.height());
+    return is_on ? row * picture_.width() + column : -1;
   }
+  [[nodiscard]] const Rgb8& texel(std::int32_t index) const { return picture_.data()[index]; }
 
  private:
   static constexpr float kHeightMm = 780.0F;
