@@ -51,6 +51,7 @@ Result<std::vector<fs::path>> files_of(const fs::path& folder) {
 
 /// Why the file is no CT slice; empty when it is one.
 std::string flaw_of(const DicomHeader& header) {
+  if (header.modality.empty()) return "it names no modality, so it is no CT slice";
   if (header.modality != "CT") return "its modality is " + header.modality + ", not CT";
   if (header.image_type.find("LOCALIZER") != std::string::npos) return "it is a localizer";
   if (!header.has_pixels) return "it has no pixels";

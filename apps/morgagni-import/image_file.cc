@@ -3,9 +3,13 @@
 #include "image_file.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
-#include <limits>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
 #include <string>
+#include <system_error>
 
 #include <itkImage.h>
 #include <itkImageFileReader.h>
@@ -22,12 +26,50 @@ bool ends_with(const std::string& text, std::string_view end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-/// The reader that the file's name asks for; none for other names.
-itk::ImageIOBase::Pointer make_image_io(const std::filesystem::path& path) {
-  std::string name = path.filename().string();
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char letter) {
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char letter) {
     return static_cast<char>(std::tolower(letter));
   });
+  return text;
+}
+
+bool is_meta_image(const std::string& name) {
+  return ends_with(lower_case(name), ".mha") || ends_with(lower_case(name), ".mhd");
+}
+
+/// ITK takes a MetaImage that is cut short without a word, so its length is checked here.
+Result<void> check_meta_length(const std::filesystem::path& path, std::uintmax_t num_bytes) {
+  std::ifstream file(path, std::ios::binary);
+  std::string data_file;
+  for (std::string line; data_file.empty() && std::getline(file, line);) {
+    const auto equals = line.find('=');
+    if (equals == std::string::npos) break;
+    std::string key;
+    std::string value;
+    std::istringstream(line.substr(0, equals)) >> key;
+    std::istringstream(line.substr(equals + 1)) >> value;
+    if (key == "CompressedData" && lower_case(value) == "true") num_bytes = 0;
+    if (key == "CompressedDataSize") num_bytes = std::strtoull(value.c_str(), nullptr, 10);
+    if (key == "ElementDataFile") data_file = value;
+  }
+  if (data_file == "LIST" || data_file.find('%') != std::string::npos) return {};
+  std::error_code failure;
+  std::uintmax_t left = 0;
+  if (data_file == "LOCAL") {
+    left = std::filesystem::file_size(path, failure) - static_cast<std::uintmax_t>(file.tellg());
+  } else {
+    left = std::filesystem::file_size(path.parent_path() / data_file, failure);
+  }
+  if (!failure && left >= num_bytes) return {};
+  return make_error(ErrorCode::kIo,
+                    path.filename().string() + " is cut short: " + std::to_string(num_bytes) +
+                        " bytes of voxels are announced, " + std::to_string(failure ? 0 : left) +
+                        " are there");
+}
+
+/// The reader that the file's name asks for; none for other names.
+itk::ImageIOBase::Pointer make_image_io(const std::filesystem::path& path) {
+  const std::string name = lower_case(path.filename().string());
   if (ends_with(name, ".nii") || ends_with(name, ".nii.gz"))
     return itk::NiftiImageIO::New().GetPointer();
   if (ends_with(name, ".nrrd") || ends_with(name, ".nhdr"))
@@ -123,6 +165,8 @@ Result<ImportedVolume> read_image_file(const std::filesystem::path& path) {
     MOR_CHECK(check_kind(*io, name));
     ImportedVolume volume;
     MOR_TRY(volume.header, header_of(*io, name));
+    if (is_meta_image(name))
+      MOR_CHECK(check_meta_length(path, static_cast<std::uintmax_t>(io->GetImageSizeInBytes())));
     say_progress(0.05);
     const auto reader = itk::ImageFileReader<FloatImage>::New();
     reader->SetImageIO(io);
@@ -131,9 +175,12 @@ Result<ImportedVolume> read_image_file(const std::filesystem::path& path) {
     say_progress(0.7);
     MOR_TRY(volume.hu, hu_of(*reader->GetOutput(), name));
     return volume;
-  } catch (const itk::ExceptionObject& failure) {
+  } catch (const itk::ExceptionObject&) {
+    // ITK's sentence is several lines about its own source: it does not help who has the file.
     return make_error(ErrorCode::kIo,
-                      name + " cannot be read, it may be cut short: " + failure.GetDescription());
+                      name +
+                          " cannot be read: it is cut short, or its header has a "
+                          "wrong size, spacing or type");
   }
 }
 

@@ -15,8 +15,11 @@ struct SkinOptions {
   double upper_hu = 3071.0;  ///< ... and at or below this: metal and clipping stay out above it.
   double closing_mm = 3.0;   ///< Radius of the closing. >= 0.
   int num_vertices = 20000;  ///< After remeshing. 100..1,000,000.
-  int sub_sampling = 300;    ///< Input vertices wanted per remeshed vertex's cluster (paper: 300).
-  double gradation = 0.0;    ///< 0: uniform; larger: more vertices where the surface bends.
+  /// Input vertices wanted per remeshed vertex's cluster, by subdivision of the input. The paper
+  /// takes 300. A full-size CT brings 27 by itself, and meets every figure with them; 100 and more
+  /// lift the share of valences 5-7 by a percent, leave the distances and cost up to a minute.
+  int sub_sampling = 20;
+  double gradation = 0.0;  ///< 0: uniform; larger: more vertices where the surface bends.
 
   [[nodiscard]] Result<void> check() const;
 };

@@ -17,6 +17,8 @@ constexpr double kOpeningMm = 5.0;
 constexpr double kSkinMm = 2.0;
 /// A part that stands out farther from the body than an ear or a nose does not belong to it.
 constexpr double kFarthestMm = 25.0;
+/// The body has at least this share of what it is torn from.
+constexpr double kLeastShare = 0.3;
 constexpr double kOneStepMm = 6.25;
 
 /// The largest connected part; empty when the mask is.

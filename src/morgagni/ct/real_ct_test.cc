@@ -1,0 +1,179 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+// The whole of preparation on real CTs, against the figures that issue and BENCHMARK.md promise.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "morgagni/ct/internal/dual_mesh.h"
+#include "morgagni/ct/internal/marching_cubes.h"
+#include "morgagni/ct/internal/triangle_grid.h"
+#include "morgagni/ct/mesh_quality.h"
+#include "morgagni/ct/surfaces.h"
+#include "morgagni/ct/volume_import.h"
+#include "morgagni/geometry/triangle_mesh_io.h"
+
+namespace mor {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path data(const std::string& name) {
+  return fs::path(MORGAGNI_DATA_DIR) / name;
+}
+
+/// An archive of the data folder, unpacked for the length of a test.
+class Unpacked {
+ public:
+  explicit Unpacked(const std::string& name)
+      : folder_(fs::temp_directory_path() / ("morgagni_real_" + std::to_string(::getpid()))) {
+    fs::create_directories(folder_);
+    const std::string command =
+        "tar xJf '" + data(name).string() + "' -C '" + folder_.string() + "'";
+    EXPECT_EQ(std::system(command.c_str()), 0);
+  }
+  Unpacked(const Unpacked&) = delete;
+  Unpacked& operator=(const Unpacked&) = delete;
+  ~Unpacked() { fs::remove_all(folder_); }
+  [[nodiscard]] const fs::path& folder() const { return folder_; }
+
+ private:
+  fs::path folder_;
+};
+
+/// The same body with a slice between every two: 138 slices become 275.
+Volume with_twice_the_slices(const Volume& volume) {
+  Volume result = volume;
+  result.size[2] = 2 * volume.size[2] - 1;
+  result.spacing_mm.z() /= 2.0;
+  result.hu.clear();
+  const std::size_t slice = volume.index(0, 0, 1);
+  for (int z = 0; z < result.size[2]; ++z) {
+    const std::int16_t* low = volume.hu.data() + static_cast<std::size_t>(z / 2) * slice;
+    const std::int16_t* high = low + (z % 2) * slice;
+    for (std::size_t i = 0; i < slice; ++i)
+      result.hu.push_back(static_cast<std::int16_t>((low[i] + high[i]) / 2));
+  }
+  return result;
+}
+
+void expect_promised_quality(const SkinSurfaces& skin) {
+  const auto topology = mesh_topology(skin.remeshed);
+  EXPECT_GE(skin.remeshed.vertices.size(), 19500U);
+  EXPECT_LE(skin.remeshed.vertices.size(), 20500U);
+  EXPECT_EQ(topology.num_non_manifold_edges, 0);
+  EXPECT_TRUE(
+      internal::non_manifold_vertices(skin.remeshed.triangles, skin.remeshed.vertices.size())
+          .empty());
+  EXPECT_EQ(topology.num_degenerate, 0);
+  EXPECT_EQ(topology.num_folded_edges, 0);
+  EXPECT_GE(topology.valence_5_to_7, 0.90);
+  constexpr int kNumPoints = 200000;
+  const auto to_full = surface_distance(skin.remeshed, skin.full, kNumPoints);
+  const auto from_full = surface_distance(skin.full, skin.remeshed, kNumPoints);
+  EXPECT_LE(to_full.mean_mm, 0.25);
+  EXPECT_LE(to_full.p99_mm, 1.2);
+  EXPECT_LE(from_full.mean_mm, 0.25);
+  EXPECT_LE(from_full.p99_mm, 1.2);
+}
+
+/// A step along the normal leads out of the body: the HU falls.
+void expect_normals_outwards(const Volume& volume, const TriangleMesh& mesh) {
+  const auto hu_at = [&](const Eigen::Vector3d& place) {
+    const Eigen::Vector3d voxel =
+        (volume.ct_from_grid.inverse() * place).cwiseQuotient(volume.spacing_mm);
+    std::array<int, 3> at{};
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto i = static_cast<std::size_t>(axis);
+      at[i] = std::clamp(static_cast<int>(std::lround(voxel[axis])), 0, volume.size[i] - 1);
+    }
+    return volume.hu[volume.index(at[0], at[1], at[2])];
+  };
+  std::size_t num_outwards = 0;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const Eigen::Vector3d place = mesh.vertices[i].cast<double>();
+    const Eigen::Vector3d step = 3.0 * mesh.normals[i].cast<double>();
+    if (hu_at(place - step) > hu_at(place + step)) ++num_outwards;
+  }
+  EXPECT_GT(static_cast<double>(num_outwards), 0.93 * static_cast<double>(mesh.vertices.size()));
+}
+
+TEST(RealCt, FullSizeChestMeetsThePromisedFigures) {
+  const std::string archive = "ct_chest_lidc0314/lidc0314_138x2mm_dicom.tar.xz";
+  if (!fs::exists(data(archive))) GTEST_SKIP() << "no " << archive;
+  const Unpacked chest(archive);
+  const auto read = import_volume(chest.folder(), {});
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->size, (std::array{512, 512, 138}));
+  const auto volume = with_twice_the_slices(*read);
+  const auto skin = extract_skin(volume, {}, {});
+  ASSERT_TRUE(skin) << skin.error().message;
+  expect_promised_quality(*skin);
+  expect_normals_outwards(volume, skin->remeshed);
+  const auto bone = extract_bone(volume, {}, {});
+  ASSERT_TRUE(bone);
+  EXPECT_GT(bone->triangles.size(), 30000U);
+  EXPECT_LE(bone->triangles.size(), 40500U);
+}
+
+TEST(RealCt, HeadMeetsThePromisedFigures) {
+  const auto file = data("ct_head_invesalius/promed_ct_0051.nii.gz");
+  if (!fs::exists(file)) GTEST_SKIP() << "no " << file;
+  const auto volume = import_volume(file, {});
+  ASSERT_TRUE(volume) << volume.error().message;
+  const auto skin = extract_skin(*volume, {}, {});
+  ASSERT_TRUE(skin) << skin.error().message;
+  expect_promised_quality(*skin);
+  expect_normals_outwards(*volume, skin->remeshed);
+  EXPECT_LT(skin->full.bounds().sizes().y(), 240.0F) << "the headrest is not the head";
+}
+
+TEST(RealCt, BunnyIsNotMirrored) {
+  if (!fs::exists(data("bunny/bunny_ct_half.nii.gz"))) GTEST_SKIP() << "no bunny";
+  const auto volume = import_volume(data("bunny/bunny_ct_half.nii.gz"), {});
+  ASSERT_TRUE(volume) << volume.error().message;
+  EXPECT_NEAR(volume->ct_from_grid.linear().determinant(), 1.0, 1e-6);
+  auto mesh = read_ply(data("bunny/bun_zipper_res2.ply"));
+  ASSERT_TRUE(mesh) << mesh.error().message;
+  std::ifstream file(data("bunny/T_ct_from_zipper_mm.txt"));
+  std::string comment;
+  std::getline(file, comment);
+  Eigen::Matrix4d ras_from_zipper;
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column) file >> ras_from_zipper(row, column);
+  ASSERT_TRUE(file);
+  constexpr double kClayHu = 0.0;
+  const auto clay = internal::threshold(*volume, kClayHu, 32767.0);
+  const auto surface = internal::marching_cubes(*volume, clay, kClayHu);
+  const internal::TriangleGrid grid(surface);
+  std::vector<double> distances;
+  for (const auto& vertex : mesh->vertices) {
+    const Eigen::Vector4d zipper_mm = (1000.0 * vertex.cast<double>()).homogeneous();
+    const Eigen::Vector3d ras = (ras_from_zipper * zipper_mm).head<3>();
+    const Eigen::Vector3d lps(-ras.x(), -ras.y(), ras.z());
+    distances.push_back(grid.distance_mm(lps.cast<float>()));
+  }
+  std::sort(distances.begin(), distances.end());
+  EXPECT_LT(distances[distances.size() / 2], 1.0);
+  EXPECT_LT(distances[distances.size() * 95 / 100], 2.0) << "30 mm when mirrored";
+}
+
+TEST(RealCt, TiltedHeadComesOutUpright) {
+  const std::string archive = "ct_head_tilt_ge/ge_head_tilt18_dicom.tar.xz";
+  if (!fs::exists(data(archive))) GTEST_SKIP() << "no " << archive;
+  const Unpacked head(archive);
+  const auto volume = import_volume(head.folder(), {});
+  ASSERT_TRUE(volume) << volume.error().message;
+  EXPECT_NEAR(volume->spacing_mm.z(), 1.08, 0.01) << "the smallest of 4.0, 7.0 and 1.08 mm";
+  EXPECT_GT(volume->size[1], 512) << "room for the shear";
+  EXPECT_TRUE(extract_skin(*volume, {}, {}));
+}
+
+}  // namespace
+}  // namespace mor

@@ -1,0 +1,143 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/ct/surfaces.h"
+
+#include <map>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "morgagni/ct/mesh_quality.h"
+#include "morgagni/ct/test_volumes.h"
+
+namespace mor {
+namespace {
+
+constexpr SkinOptions kQuick = {.num_vertices = 1500, .sub_sampling = 1};
+
+double body_depth_mm(const Eigen::Vector3d& place) {
+  return 20.0 - std::hypot(place.x(), place.y());
+}
+
+/// A trunk along z with a lung in it, on a curved shell that is wider than it, as a CT table is.
+Volume trunk_on_table() {
+  return make_volume(100, 1.0, [](const Eigen::Vector3d& place) {
+    const double lung = 10.0 - (place - Eigen::Vector3d(5, 0, -45)).norm();
+    const double sideways = std::abs(place.x()) - 45.0;
+    const double table =
+        std::min(1.5 - std::abs(place.y() - 21.0 + 0.004 * place.x() * place.x()), -sideways);
+    return std::max(std::min(body_depth_mm(place), -lung), table);
+  });
+}
+
+TEST(ExtractSkin, DropsTheTableAndFillsTheLung) {
+  const auto skin = extract_skin(trunk_on_table(), kQuick, {});
+  ASSERT_TRUE(skin) << skin.error().message;
+  int num_far = 0;
+  for (const auto& vertex : skin->full.vertices) {
+    const double radius_mm = std::hypot(vertex.x(), vertex.y());
+    EXPECT_GT(radius_mm, 19.0) << "no surface inside";
+    if (radius_mm > 24.0) ++num_far;
+    const bool at_table = vertex.y() > 10.0F;
+    if (!at_table) {
+      EXPECT_NEAR(radius_mm, 19.83, 0.5);
+    }
+  }
+  EXPECT_EQ(num_far, 0) << "of " << skin->full.vertices.size() << " vertices are table";
+}
+
+TEST(ExtractSkin, PutsVerticesOnTheThreshold) {
+  const auto volume = make_volume(80, 1.0, [](const auto& place) { return 25.0 - place.norm(); });
+  const auto skin = extract_skin(volume, kQuick, {});
+  ASSERT_TRUE(skin);
+  // -300 HU lies 0.17 of a voxel inside of half way.
+  for (const auto& vertex : skin->full.vertices) EXPECT_NEAR(vertex.norm(), 24.83, 0.2);
+  EXPECT_GT(enclosed_volume_mm3(skin->remeshed), 0.0);
+  EXPECT_EQ(mesh_topology(skin->remeshed).num_open_edges, 0);
+}
+
+TEST(ExtractSkin, ReportsEveryStageUpToItsEnd) {
+  std::map<std::string, double, std::less<>> last;
+  const auto volume = make_volume(60, 1.0, [](const auto& place) { return 20.0 - place.norm(); });
+  ASSERT_TRUE(extract_skin(volume, kQuick, [&](std::string_view stage, double fraction) {
+    EXPECT_GE(fraction, last.emplace(stage, 0.0).first->second) << stage;
+    last.find(stage)->second = fraction;
+  }));
+  EXPECT_THAT(last,
+              testing::UnorderedElementsAre(testing::Pair("threshold", 1.0),
+                                            testing::Pair("closing", 1.0),
+                                            testing::Pair("body", 1.0),
+                                            testing::Pair("surface", 1.0),
+                                            testing::Pair("remesh", 1.0)));
+}
+
+TEST(ExtractSkin, SaysWhatToDoWhenThereIsNothing) {
+  const auto air = make_volume(20, 1.0, [](const auto&) { return -10.0; });
+  const auto nothing = extract_skin(air, kQuick, {});
+  ASSERT_FALSE(nothing);
+  EXPECT_THAT(nothing.error().message, testing::HasSubstr("no voxel lies between -300 and 3071"));
+
+  const auto tissue = make_volume(20, 1.0, [](const auto&) { return 10.0; });
+  const auto no_air = extract_skin(tissue, kQuick, {});
+  ASSERT_FALSE(no_air);
+  EXPECT_THAT(no_air.error().message, testing::HasSubstr("no air around the body"));
+}
+
+TEST(ExtractSkin, RefusesAirThatIsOnlyInside) {
+  const auto volume = make_volume(40, 1.0, [](const auto& place) { return place.norm() - 10.0; });
+  const auto skin = extract_skin(volume, kQuick, {});
+  ASSERT_FALSE(skin);
+  EXPECT_THAT(skin.error().message, testing::HasSubstr("no air around the body"));
+}
+
+TEST(SkinOptions, NameTheValueAndTheLimit) {
+  const auto message = [](const SkinOptions& options) {
+    const auto checked = options.check();
+    return checked ? std::string() : checked.error().message;
+  };
+  EXPECT_EQ(message({}), "");
+  EXPECT_THAT(message({.threshold_hu = NAN}), testing::HasSubstr("threshold_hu"));
+  EXPECT_THAT(message({.upper_hu = -500.0}), testing::HasSubstr("upper_hu"));
+  EXPECT_THAT(message({.closing_mm = -1.0}), testing::HasSubstr("closing_mm must be in [0, 30]"));
+  EXPECT_THAT(message({.num_vertices = 5}), testing::HasSubstr("got 5"));
+  EXPECT_THAT(message({.sub_sampling = 0}), testing::HasSubstr("sub_sampling"));
+}
+
+TEST(ExtractBone, FindsBoneInsideTheBodyOnly) {
+  auto volume = make_volume(80, 1.0, [](const auto& place) { return 30.0 - place.norm(); });
+  for (int z = 0; z < 80; ++z) {
+    for (int y = 0; y < 80; ++y) {
+      for (int x = 0; x < 80; ++x) {
+        const Eigen::Vector3d place = volume.ct_from_grid * Eigen::Vector3d(x, y, z);
+        if ((place - Eigen::Vector3d(5, 0, 0)).norm() < 10.0)
+          volume.hu[volume.index(x, y, z)] = 800;
+        if ((place - Eigen::Vector3d(36, 36, 0)).norm() < 3.0)
+          volume.hu[volume.index(x, y, z)] = 800;
+      }
+    }
+  }
+  const auto bone = extract_bone(volume, {.num_triangles = 500}, {});
+  ASSERT_TRUE(bone) << bone.error().message;
+  EXPECT_LE(bone->triangles.size(), 520U);
+  EXPECT_EQ(bone->normals.size(), bone->vertices.size());
+  for (const auto& vertex : bone->vertices)
+    EXPECT_NEAR((vertex - Eigen::Vector3f(5, 0, 0)).norm(), 10.0, 1.0);
+  EXPECT_GT(enclosed_volume_mm3(*bone), 0.0);
+}
+
+TEST(ExtractBone, IsEmptyWhereThereIsNone) {
+  const auto volume = make_volume(40, 1.0, [](const auto& place) { return 15.0 - place.norm(); });
+  const auto bone = extract_bone(volume, {}, {});
+  ASSERT_TRUE(bone);
+  EXPECT_TRUE(bone->empty());
+}
+
+TEST(BoneOptions, NameTheValueAndTheLimit) {
+  EXPECT_TRUE(BoneOptions{}.check());
+  EXPECT_FALSE(BoneOptions{.threshold_hu = 5000.0}.check());
+  EXPECT_FALSE(BoneOptions{.min_component_mm3 = -1.0}.check());
+  EXPECT_FALSE(BoneOptions{.num_triangles = 1}.check());
+}
+
+}  // namespace
+}  // namespace mor
