@@ -68,8 +68,10 @@ KinectNoise::KinectNoise(double focal_px, std::uint64_t seed)
       const double shift_px = kinect::lateral_sd_px(angle_rad) * normal_(16 * k + 8);
       angle.shift_px[k] = static_cast<std::int8_t>(std::clamp(std::lrint(shift_px), -100L, 100L));
     }
-    for (std::size_t k = 0; k < kNumDepths; ++k) {
-      angle.sd_mm[k] = axial_rest_sd_mm((static_cast<double>(k) + 0.5) * kDepthClassMm, angle_rad);
+    for (std::size_t k = 0; k < angle.sd_steps.size(); ++k) {
+      const double z_mm = kStepsTimesMm / (2.0 * static_cast<double>(k) + 1.0);
+      angle.sd_steps[k] =
+          axial_rest_sd_mm(z_mm, angle_rad) / static_cast<float>(kinect::depth_step_mm(z_mm));
     }
   }
   for (std::size_t i = 1; i < kNumSteps; ++i) {
@@ -81,36 +83,40 @@ KinectNoise::KinectNoise(double focal_px, std::uint64_t seed)
 
 /// The projector stands to the right: from there, what the camera sees lies at column x - f b / z.
 /// Columns must fall from right to left; where one does not, something on its right hides it.
-void KinectNoise::mark_shadow(const float* z_mm, int width, std::uint8_t* is_lit) const {
-  const auto focal_baseline = static_cast<float>(focal_px_ * kinect::kBaselineMm);
+void KinectNoise::mark_shadow(const float* steps, int width, std::uint8_t* is_lit) const {
+  const auto px_per_step = static_cast<float>(focal_px_ * kinect::kBaselineMm / kStepsTimesMm);
   float leftmost = std::numeric_limits<float>::infinity();
   for (int x = width - 1; x >= 0; --x) {
-    is_lit[x] = 0;
-    if (z_mm[x] <= 0.0F) continue;
-    const float column = static_cast<float>(x) - focal_baseline / z_mm[x];
-    is_lit[x] = column <= leftmost ? 1 : 0;
-    leftmost = std::min(leftmost, column);
+    const bool is_seen = steps[x] > 0.0F;
+    const float column = static_cast<float>(x) - px_per_step * steps[x];
+    is_lit[x] = (is_seen & (column <= leftmost)) ? 1 : 0;
+    leftmost = is_seen ? std::min(leftmost, column) : leftmost;
   }
 }
 
-std::uint16_t KinectNoise::measure(float z_mm, const ByAngle& angle, std::uint64_t bits) const {
-  const auto depth_class = static_cast<std::size_t>(z_mm * (1.0F / kDepthClassMm));
-  const float noisy_mm = z_mm + angle.sd_mm[std::min(depth_class, kNumDepths - 1)] * normal_(bits);
-  const auto step = static_cast<std::int64_t>(static_cast<float>(kStepsTimesMm) / noisy_mm + 0.5F);
-  const bool is_known = step > 0 && step < static_cast<std::int64_t>(kNumSteps);
-  return is_known ? depth_of_step_mm_[static_cast<std::size_t>(step)] : std::uint16_t{0};
+std::uint16_t KinectNoise::measure(float steps, const ByAngle& angle, std::uint64_t bits) const {
+  constexpr auto kMost = static_cast<float>(kNumSteps - 1);
+  const auto disparity_class = static_cast<std::size_t>(0.5F * std::min(steps, kMost));
+  const float noisy = steps + angle.sd_steps[disparity_class] * normal_(bits);
+  return depth_of_step_mm_[static_cast<std::size_t>(std::clamp(noisy + 0.5F, 0.0F, kMost))];
 }
 
 Image<std::uint16_t> KinectNoise::apply(const IdealDepth& ideal, std::uint64_t frame_id) const {
   const int width = ideal.z_mm.width();
   const int height = ideal.z_mm.height();
+  Image<float> disparity(width, height);  // In steps; 0: nothing.
+  for (std::size_t i = 0; i < disparity.size(); ++i) {
+    const float z_mm = ideal.z_mm.data()[i];
+    disparity.data()[i] = z_mm > 0.0F ? static_cast<float>(kStepsTimesMm) / z_mm : 0.0F;
+  }
   Image<std::uint16_t> seen(width, height, 0);
   std::vector<std::uint8_t> is_lit(static_cast<std::size_t>(width));
-  const auto z_mm = ideal.z_mm.view();
+  const auto steps = disparity.view();
   for (int y = 0; y < height; ++y) {
-    const float* row_mm = z_mm.row(y);
+    const float* row = steps.row(y);
     const std::uint8_t* facing = ideal.facing.view().row(y);
-    mark_shadow(row_mm, width, is_lit.data());
+    std::uint16_t* seen_row = seen.view().row(y);
+    mark_shadow(row, width, is_lit.data());
     RowRandom random(seed_, frame_id, static_cast<std::uint64_t>(y));
     for (int x = 0; x < width; ++x) {
       const std::uint64_t bits = random.next();
@@ -119,11 +125,10 @@ Image<std::uint16_t> KinectNoise::apply(const IdealDepth& ideal, std::uint64_t f
       // Lateral noise: the reading belongs to a place beside the pixel.
       const int from_x = std::clamp(x + angle.shift_px[bits & 255U], 0, width - 1);
       const int from_y = std::clamp(y + angle.shift_px[(bits >> 8U) & 255U], 0, height - 1);
-      const float z = z_mm(from_x, from_y);
-      const bool is_edge = std::abs(z - row_mm[x]) > kEdgeShare * row_mm[x];
+      const float from = steps(from_x, from_y);
+      const bool is_edge = std::abs(from - row[x]) > kEdgeShare * row[x];
       const auto drop_below = is_edge ? std::max(kDropAtEdge, angle.drop_below) : angle.drop_below;
-      if (z <= 0.0F || (bits >> 48U) < drop_below) continue;
-      seen(x, y) = measure(z, angle, bits >> 20U);
+      if ((bits >> 48U) >= drop_below) seen_row[x] = measure(from, angle, bits >> 20U);
     }
   }
   return seen;

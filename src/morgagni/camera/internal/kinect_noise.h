@@ -50,19 +50,18 @@ class KinectNoise {
 
  private:
   static constexpr std::size_t kNumAngles = 64;   ///< Classes of facing, four cosines of 255 each.
-  static constexpr std::size_t kNumDepths = 320;  ///< Classes of depth.
-  static constexpr float kDepthClassMm = 16.0F;
-  static constexpr std::size_t kNumSteps = 2048;  ///< Disparities, in steps.
+  static constexpr std::size_t kNumSteps = 1024;  ///< Disparities, in steps of an eighth pixel.
 
-  /// What depends on the angle alone.
+  /// What depends on the angle.
   struct ByAngle {
     std::array<std::int8_t, 256> shift_px{};  ///< Quantiles of the lateral noise.
-    std::uint32_t drop_below = 0;           ///< Dropped where a 16-bit random number is below this.
-    std::array<float, kNumDepths> sd_mm{};  ///< Axial noise still to be added, by depth.
+    std::uint32_t drop_below = 0;  ///< Dropped where a 16-bit random number is below this.
+    /// Axial noise still to be added, in steps, for every second disparity.
+    std::array<float, kNumSteps / 2> sd_steps{};
   };
 
-  void mark_shadow(const float* z_mm, int width, std::uint8_t* is_lit) const;
-  [[nodiscard]] std::uint16_t measure(float z_mm, const ByAngle& angle, std::uint64_t bits) const;
+  void mark_shadow(const float* steps, int width, std::uint8_t* is_lit) const;
+  [[nodiscard]] std::uint16_t measure(float steps, const ByAngle& angle, std::uint64_t bits) const;
 
   double focal_px_;
   std::uint64_t seed_;

@@ -151,49 +151,38 @@ void Scene::draw_skin_pixel(const std::vector<Lit>& lit,
                          to_byte(pore * (w * a.b + u * b.b + v * c.b))};
 }
 
-void Scene::cross_table(int y,
-                        const Vector3f& eye_ct,
-                        const Vector3f& first_ray_ct,
-                        const Vector3f& ray_step_ct,
-                        RoomRow& row) const {
-  constexpr float kAlongTable = 1e-3F;  // Flatter rays meet nothing within reach.
-  const float above_mm = table_.top_mm() - eye_ct.y();
+void Scene::look_past_skin(int y,
+                           const Vector3f& eye_ct,
+                           const Vector3f& first_ray_ct,
+                           const Vector3f& ray_step_ct,
+                           RoomRow& row) const {
+  constexpr float kLeastFall = 1e-3F;  // Flatter rays meet nothing within reach.
+  const float to_table_mm = table_.top_mm() - eye_ct.y();
+  const float to_floor_mm = table_.floor_mm() - eye_ct.y();
   const float* inverse_length = inverse_ray_length_.view().row(y);
-  for (std::size_t x = 0; x < row.texel.size(); ++x) {
+  float* z_mm = row.z_mm.data();
+  float* cosine = row.cosine.data();
+  std::int32_t* texel = row.texel.data();
+  const int width = camera_.width_px;
+  for (int x = 0; x < width; ++x) {
     const auto column = static_cast<float>(x);
-    const float down = first_ray_ct.y() + column * ray_step_ct.y();
-    const float z_mm = above_mm / std::max(down, kAlongTable);
-    const std::int32_t texel =
-        table_.texel_at(eye_ct.x() + z_mm * (first_ray_ct.x() + column * ray_step_ct.x()),
-                        eye_ct.z() + z_mm * (first_ray_ct.z() + column * ray_step_ct.z()));
-    row.cosine[x] = down > kAlongTable ? down * inverse_length[x] : -1.0F;
-    row.table_z_mm[x] = z_mm;
-    row.texel[x] = z_mm > 0.0F ? texel : -1;
+    const float fall = first_ray_ct.y() + column * ray_step_ct.y();
+    const float per_fall = 1.0F / (fall > kLeastFall ? fall : kLeastFall);
+    const float table_z_mm = to_table_mm * per_fall;
+    const std::int32_t on_table =
+        table_.texel_at(eye_ct.x() + table_z_mm * (first_ray_ct.x() + column * ray_step_ct.x()),
+                        eye_ct.z() + table_z_mm * (first_ray_ct.z() + column * ray_step_ct.z()));
+    texel[x] = table_z_mm > 0.0F ? on_table : -1;
+    const float met_z_mm = texel[x] >= 0 ? table_z_mm : to_floor_mm * per_fall;
+    z_mm[x] = (fall > kLeastFall) & (met_z_mm > 0.0F) ? met_z_mm : 0.0F;
+    cosine[x] = fall * inverse_length[x];
   }
 }
 
-void Scene::draw_room_pixel(int x,
-                            int y,
-                            const Vector3f& eye_ct,
-                            const Vector3f& ray_ct,
-                            const RoomRow& row,
-                            ScenePicture& picture) const {
-  const auto i = static_cast<std::size_t>(x);
-  const float cosine = row.cosine[i];
-  if (cosine <= 0.0F) return;  // Above the horizon: darkness.
-  picture.depth.facing(x, y) = static_cast<std::uint8_t>(255.0F * cosine);
-  if (row.texel[i] >= 0) {
-    const auto shade = static_cast<unsigned>(256.0F * (0.62F + 0.38F * cosine));
-    picture.depth.z_mm(x, y) = row.table_z_mm[i];
-    picture.color(x, y) = dimmed(table_.texel(row.texel[i]), shade);
-    return;
-  }
-  const float floor_z_mm = (table_.floor_mm() - eye_ct.y()) / ray_ct.y();
-  if (floor_z_mm <= 0.0F) return;
-  const float grain = 2.0F * (pores_[pore_at(0.3F * (eye_ct + floor_z_mm * ray_ct))] - 1.0F);
-  const auto shade = static_cast<unsigned>(256.0F * (0.55F + 0.43F * cosine) * (1.0F + grain));
-  picture.depth.z_mm(x, y) = floor_z_mm;
-  picture.color(x, y) = dimmed({58, 64, 72}, shade);
+Rgb8 Scene::floor_color(const Vector3f& at_ct, float cosine) const {
+  const float grain = 2.0F * (pores_[pore_at(0.3F * at_ct)] - 1.0F);
+  return dimmed({58, 64, 72},
+                static_cast<unsigned>(256.0F * (0.55F + 0.43F * cosine) * (1.0F + grain)));
 }
 
 /// Samples at pixel centres leave stairs along the outline: there, and only there, neighbours mix.
@@ -238,16 +227,27 @@ ScenePicture Scene::draw(const Eigen::Isometry3d& ct_from_camera) const {
                              step_y * static_cast<float>(camera_.center_y_px);
   for (int y = 0; y < camera_.height_px; ++y) {
     const Vector3f row_ray = first_ray + static_cast<float>(y) * step_y;
-    cross_table(y, eye_ct, row_ray, step_x, room);
+    look_past_skin(y, eye_ct, row_ray, step_x, room);
+    float* z_mm = picture.depth.z_mm.view().row(y);
+    std::uint8_t* facing = picture.depth.facing.view().row(y);
+    Rgb8* color = picture.color.view().row(y);
+    const std::uint32_t* triangle = raster.triangle_idx.view().row(y);
     for (int x = 0; x < camera_.width_px; ++x) {
       const Vector3f ray_ct = row_ray + static_cast<float>(x) * step_x;
-      const auto triangle = raster.triangle_idx(x, y);
-      if (triangle == DepthRaster::kNothing) {
-        draw_room_pixel(x, y, eye_ct, ray_ct, room, picture);
-      } else {
-        draw_skin_pixel(lit, triangle, x, y, eye_ct + picture.depth.z_mm(x, y) * ray_ct, picture);
+      if (triangle[x] != DepthRaster::kNothing) {
+        draw_skin_pixel(lit, triangle[x], x, y, eye_ct + z_mm[x] * ray_ct, picture);
         is_skin(x, y) = 1;
+        continue;
       }
+      const auto i = static_cast<std::size_t>(x);
+      if (room.z_mm[i] <= 0.0F) continue;  // Darkness.
+      const float cosine = room.cosine[i];
+      z_mm[x] = room.z_mm[i];
+      facing[x] = static_cast<std::uint8_t>(255.0F * cosine);
+      color[x] = room.texel[i] >= 0
+                     ? dimmed(table_.texel(room.texel[i]),
+                              static_cast<unsigned>(256.0F * (0.62F + 0.38F * cosine)))
+                     : floor_color(eye_ct + z_mm[x] * ray_ct, cosine);
     }
   }
   soften_outline(is_skin, picture.color);

@@ -47,27 +47,22 @@ class Scene {
                        int y,
                        const Eigen::Vector3f& at_ct,
                        ScenePicture& picture) const;
-  /// Where the rays of one row of pixels meet the table's plane.
+  /// What the rays of one row of pixels meet where no skin is in their way.
   struct RoomRow {
     explicit RoomRow(int width)
-        : cosine(static_cast<std::size_t>(width)),
-          table_z_mm(static_cast<std::size_t>(width)),
-          texel(static_cast<std::size_t>(width)) {}
-    std::vector<float> cosine;  ///< Between ray and table; negative above the horizon.
-    std::vector<float> table_z_mm;
-    std::vector<std::int32_t> texel;  ///< -1 beyond the rim.
+        : z_mm(static_cast<std::size_t>(width)),
+          texel(static_cast<std::size_t>(width)),
+          cosine(static_cast<std::size_t>(width)) {}
+    std::vector<float> z_mm;          ///< 0: nothing.
+    std::vector<std::int32_t> texel;  ///< Of the table; -1: the floor.
+    std::vector<float> cosine;        ///< Between ray and normal.
   };
-  void cross_table(int y,
-                   const Eigen::Vector3f& eye_ct,
-                   const Eigen::Vector3f& first_ray_ct,
-                   const Eigen::Vector3f& ray_step_ct,
-                   RoomRow& row) const;
-  void draw_room_pixel(int x,
-                       int y,
-                       const Eigen::Vector3f& eye_ct,
-                       const Eigen::Vector3f& ray_ct,
-                       const RoomRow& row,
-                       ScenePicture& picture) const;
+  void look_past_skin(int y,
+                      const Eigen::Vector3f& eye_ct,
+                      const Eigen::Vector3f& first_ray_ct,
+                      const Eigen::Vector3f& ray_step_ct,
+                      RoomRow& row) const;
+  [[nodiscard]] Rgb8 floor_color(const Eigen::Vector3f& at_ct, float cosine) const;
   void soften_outline(const Image<std::uint8_t>& is_skin, Image<Rgb8>& color) const;
 
   std::shared_ptr<const TriangleMesh> skin_;

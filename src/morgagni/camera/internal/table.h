@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -22,16 +21,17 @@ class Table {
   [[nodiscard]] float top_mm() const { return top_mm_; }
   [[nodiscard]] float floor_mm() const { return top_mm_ + kHeightMm; }
 
-  /// Where (x, z) of the table's plane lies in its picture; -1 beyond the rim. No branches: it is
-  /// asked for whole rows.
+  /// Where (x, z) of the table's plane lies in its picture; -1 beyond the rim. Without branches,
+  /// for whole rows of pixels are asked for at once.
   [[nodiscard]] std::int32_t texel_at(float x_mm, float z_mm) const {
-    const auto column = static_cast<std::int32_t>(
-        std::clamp((x_mm - left_mm_) * kTexelsPerMm, -1.0F, static_cast<float>(picture_.width())));
-    const auto row = static_cast<std::int32_t>(
-        std::clamp((z_mm - foot_mm_) * kTexelsPerMm, -1.0F, static_cast<float>(picture_.height())));
-    const bool is_on =
-        (column >= 0) & (row >= 0) & (column < picture_.width()) & (row < picture_.height());
-    return is_on ? row * picture_.width() + column : -1;
+    const float column = (x_mm - left_mm_) * kTexelsPerMm;
+    const float row = (z_mm - foot_mm_) * kTexelsPerMm;
+    const auto width = static_cast<float>(picture_.width());
+    const auto height = static_cast<float>(picture_.height());
+    const bool is_on = (column >= 0.0F) & (row >= 0.0F) & (column < width) & (row < height);
+    const auto whole_column = static_cast<std::int32_t>(is_on ? column : 0.0F);
+    const auto whole_row = static_cast<std::int32_t>(is_on ? row : 0.0F);
+    return is_on ? whole_row * picture_.width() + whole_column : -1;
   }
   [[nodiscard]] const Rgb8& texel(std::int32_t index) const { return picture_.data()[index]; }
 
