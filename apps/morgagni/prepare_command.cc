@@ -7,6 +7,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/casefile/prepare.h"
+#include "morgagni/core/progress.h"
 
 #include "commands.h"
 #include "exit.h"
