@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <limits>
 
+#include <Eigen/Core>
+
 namespace mor::internal {
 namespace {
 
@@ -20,6 +22,9 @@ constexpr std::uint32_t kDropAnywhere = 40;   // Of 65536: speckle that found no
 /// Disparity in steps times depth: Khoshelham and Elberink's f b, in steps and mm.
 constexpr double kStepsTimesMm =
     kinect::kInfraredFocalPx * kinect::kBaselineMm / kinect::kDisparityStepPx;
+
+/// Nearer than 170 mm there is nothing to see, and nothing casts a shadow.
+constexpr float kTooNearSteps = 2048.0F;
 
 double angle_share(double angle_rad) {
   return angle_rad / (kRightAngleRad - angle_rad);
@@ -66,7 +71,8 @@ KinectNoise::KinectNoise(double focal_px, std::uint64_t seed)
     angle.drop_below = std::max(kDropAnywhere, static_cast<std::uint32_t>(share * share * 65536.0));
     for (std::size_t k = 0; k < angle.shift_px.size(); ++k) {
       const double shift_px = kinect::lateral_sd_px(angle_rad) * normal_(16 * k + 8);
-      angle.shift_px[k] = static_cast<std::int8_t>(std::clamp(std::lrint(shift_px), -100L, 100L));
+      angle.shift_px[k] =
+          static_cast<std::int8_t>(std::clamp<long>(std::lrint(shift_px), -kRimPx, kRimPx));
     }
     for (std::size_t k = 0; k < angle.sd_steps.size(); ++k) {
       const double z_mm = kStepsTimesMm / (2.0 * static_cast<double>(k) + 1.0);
@@ -87,10 +93,12 @@ void KinectNoise::mark_shadow(const float* steps, int width, std::uint8_t* is_li
   const auto px_per_step = static_cast<float>(focal_px_ * kinect::kBaselineMm / kStepsTimesMm);
   float leftmost = std::numeric_limits<float>::infinity();
   for (int x = width - 1; x >= 0; --x) {
-    const bool is_seen = steps[x] > 0.0F;
+    is_lit[x] = 0;
+    if (steps[x] >= kTooNearSteps) continue;
     const float column = static_cast<float>(x) - px_per_step * steps[x];
-    is_lit[x] = (is_seen & (column <= leftmost)) ? 1 : 0;
-    leftmost = is_seen ? std::min(leftmost, column) : leftmost;
+    if (column > leftmost) continue;
+    is_lit[x] = 1;
+    leftmost = column;
   }
 }
 
@@ -101,19 +109,32 @@ std::uint16_t KinectNoise::measure(float steps, const ByAngle& angle, std::uint6
   return depth_of_step_mm_[static_cast<std::size_t>(std::clamp(noisy + 0.5F, 0.0F, kMost))];
 }
 
+/// Disparity in steps, with a rim that repeats the outermost pixels, so that a look beside a pixel
+/// needs no test. What is nothing becomes too near to be seen.
+Image<float> KinectNoise::disparity_with_rim(const Image<float>& depth_mm) {
+  const int width = depth_mm.width();
+  Image<float> steps(width + 2 * kRimPx, depth_mm.height() + 2 * kRimPx);
+  for (int y = 0; y < steps.height(); ++y) {
+    const float* z_mm = depth_mm.view().row(std::clamp(y - kRimPx, 0, depth_mm.height() - 1));
+    float* row = steps.view().row(y);
+    Eigen::Map<Eigen::ArrayXf>(row + kRimPx, width) =
+        static_cast<float>(kStepsTimesMm) *
+        Eigen::Map<const Eigen::ArrayXf>(z_mm, width).max(1.0F).inverse();
+    std::fill_n(row, kRimPx, row[kRimPx]);
+    std::fill_n(row + kRimPx + width, kRimPx, row[kRimPx + width - 1]);
+  }
+  return steps;
+}
+
 Image<std::uint16_t> KinectNoise::apply(const IdealDepth& ideal, std::uint64_t frame_id) const {
   const int width = ideal.z_mm.width();
   const int height = ideal.z_mm.height();
-  Image<float> disparity(width, height);  // In steps; 0: nothing.
-  for (std::size_t i = 0; i < disparity.size(); ++i) {
-    const float z_mm = ideal.z_mm.data()[i];
-    disparity.data()[i] = z_mm > 0.0F ? static_cast<float>(kStepsTimesMm) / z_mm : 0.0F;
-  }
+  const Image<float> disparity = disparity_with_rim(ideal.z_mm);
+  const int stride = disparity.width();
   Image<std::uint16_t> seen(width, height, 0);
   std::vector<std::uint8_t> is_lit(static_cast<std::size_t>(width));
-  const auto steps = disparity.view();
   for (int y = 0; y < height; ++y) {
-    const float* row = steps.row(y);
+    const float* row = disparity.view().row(y + kRimPx) + kRimPx;
     const std::uint8_t* facing = ideal.facing.view().row(y);
     std::uint16_t* seen_row = seen.view().row(y);
     mark_shadow(row, width, is_lit.data());
@@ -123,12 +144,12 @@ Image<std::uint16_t> KinectNoise::apply(const IdealDepth& ideal, std::uint64_t f
       if (is_lit[static_cast<std::size_t>(x)] == 0) continue;
       const auto& angle = by_angle_[facing[x] / 4U];
       // Lateral noise: the reading belongs to a place beside the pixel.
-      const int from_x = std::clamp(x + angle.shift_px[bits & 255U], 0, width - 1);
-      const int from_y = std::clamp(y + angle.shift_px[(bits >> 8U) & 255U], 0, height - 1);
-      const float from = steps(from_x, from_y);
-      const bool is_edge = std::abs(from - row[x]) > kEdgeShare * row[x];
+      const int shift_x = angle.shift_px[bits & 255U];
+      const int shift_y = angle.shift_px[(bits >> 8U) & 255U];
+      const float steps = row[x + shift_x + shift_y * stride];
+      const bool is_edge = std::abs(steps - row[x]) > kEdgeShare * row[x];
       const auto drop_below = is_edge ? std::max(kDropAtEdge, angle.drop_below) : angle.drop_below;
-      if ((bits >> 48U) >= drop_below) seen_row[x] = measure(from, angle, bits >> 20U);
+      if ((bits >> 48U) >= drop_below) seen_row[x] = measure(steps, angle, bits >> 20U);
     }
   }
   return seen;

@@ -60,6 +60,10 @@ class KinectNoise {
     std::array<float, kNumSteps / 2> sd_steps{};
   };
 
+  /// Farther than this no reading strays sideways.
+  static constexpr int kRimPx = 6;
+
+  [[nodiscard]] static Image<float> disparity_with_rim(const Image<float>& depth_mm);
   void mark_shadow(const float* steps, int width, std::uint8_t* is_lit) const;
   [[nodiscard]] std::uint16_t measure(float steps, const ByAngle& angle, std::uint64_t bits) const;
 

@@ -62,10 +62,10 @@ std::size_t pore_at(const Vector3f& at_ct) {
   return (cell(at_ct.z()) * kPoreSide + cell(at_ct.y())) * kPoreSide + cell(at_ct.x());
 }
 
-/// `shade` of 256.
+/// `shade` of 256, at most all of it.
 Rgb8 dimmed(const Rgb8& color, unsigned shade) {
   const auto dim = [&](std::uint8_t value) {
-    return static_cast<std::uint8_t>(std::min(value * shade >> 8U, 255U));
+    return static_cast<std::uint8_t>(value * shade >> 8U);
   };
   return {dim(color.r), dim(color.g), dim(color.b)};
 }
@@ -151,50 +151,52 @@ void Scene::draw_skin_pixel(const std::vector<Lit>& lit,
                          to_byte(pore * (w * a.b + u * b.b + v * c.b))};
 }
 
+/// Whole rows at once, in vector instructions.
 void Scene::look_past_skin(int y,
                            const Vector3f& eye_ct,
                            const Vector3f& first_ray_ct,
                            const Vector3f& ray_step_ct,
                            RoomRow& row) const {
   constexpr float kLeastFall = 1e-3F;  // Flatter rays meet nothing within reach.
+  const Eigen::Map<const Eigen::ArrayXf> inverse_length(inverse_ray_length_.view().row(y),
+                                                        camera_.width_px);
   const float to_table_mm = table_.top_mm() - eye_ct.y();
-  const float to_floor_mm = table_.floor_mm() - eye_ct.y();
-  const float* inverse_length = inverse_ray_length_.view().row(y);
-  float* z_mm = row.z_mm.data();
-  float* cosine = row.cosine.data();
-  std::int32_t* texel = row.texel.data();
-  const int width = camera_.width_px;
-  for (int x = 0; x < width; ++x) {
-    const auto column = static_cast<float>(x);
-    const float fall = first_ray_ct.y() + column * ray_step_ct.y();
-    const float per_fall = 1.0F / (fall > kLeastFall ? fall : kLeastFall);
-    const float table_z_mm = to_table_mm * per_fall;
-    const std::int32_t on_table =
-        table_.texel_at(eye_ct.x() + table_z_mm * (first_ray_ct.x() + column * ray_step_ct.x()),
-                        eye_ct.z() + table_z_mm * (first_ray_ct.z() + column * ray_step_ct.z()));
-    texel[x] = table_z_mm > 0.0F ? on_table : -1;
-    const float met_z_mm = texel[x] >= 0 ? table_z_mm : to_floor_mm * per_fall;
-    z_mm[x] = (fall > kLeastFall) & (met_z_mm > 0.0F) ? met_z_mm : 0.0F;
-    cosine[x] = fall * inverse_length[x];
-  }
+  const Eigen::Vector2f below_eye = table_.texel_at(eye_ct.x(), eye_ct.z());
+  const float per_fall = to_table_mm * Table::texels_per_mm();
+  row.per_fall = (first_ray_ct.y() + ray_step_ct.y() * row.x).max(kLeastFall).inverse();
+  row.cosine = (first_ray_ct.y() + ray_step_ct.y() * row.x) * inverse_length;
+  row.table_column =
+      below_eye.x() + per_fall * row.per_fall * (first_ray_ct.x() + ray_step_ct.x() * row.x);
+  row.table_row =
+      below_eye.y() + per_fall * row.per_fall * (first_ray_ct.z() + ray_step_ct.z() * row.x);
 }
 
 Rgb8 Scene::floor_color(const Vector3f& at_ct, float cosine) const {
   const float grain = 2.0F * (pores_[pore_at(0.3F * at_ct)] - 1.0F);
   return dimmed({58, 64, 72},
-                static_cast<unsigned>(256.0F * (0.55F + 0.43F * cosine) * (1.0F + grain)));
+                static_cast<unsigned>(240.0F * (0.55F + 0.43F * cosine) * (1.0F + grain)));
 }
 
 /// Samples at pixel centres leave stairs along the outline: there, and only there, neighbours mix.
 void Scene::soften_outline(const Image<std::uint8_t>& is_skin, Image<Rgb8>& color) const {
   std::vector<std::pair<std::size_t, Rgb8>> softened;
+  std::vector<std::uint8_t> is_outline(static_cast<std::size_t>(color.width()), 0);
   for (int y = 1; y + 1 < color.height(); ++y) {
     const std::uint8_t* here = is_skin.view().row(y);
     const std::uint8_t* above = is_skin.view().row(y - 1);
     const std::uint8_t* below = is_skin.view().row(y + 1);
+    std::uint8_t* differs = is_outline.data();
+    std::uint8_t any = 0;
     for (int x = 1; x + 1 < color.width(); ++x) {
-      const int around = here[x - 1] + here[x + 1] + above[x] + below[x];
-      if (around == 4 * here[x]) continue;
+      const auto difference =
+          static_cast<std::uint8_t>((here[x] ^ here[x - 1]) | (here[x] ^ here[x + 1]) |
+                                    (here[x] ^ above[x]) | (here[x] ^ below[x]));
+      differs[x] = difference;
+      any |= difference;
+    }
+    if (any == 0) continue;
+    for (int x = 1; x + 1 < color.width(); ++x) {
+      if (differs[x] == 0) continue;
       std::array<int, 3> sum{};
       for (const auto& [dx, dy, weight] :
            {std::array{0, 0, 4}, {-1, 0, 1}, {1, 0, 1}, {0, -1, 1}, {0, 1, 1}}) {
@@ -220,6 +222,12 @@ ScenePicture Scene::draw(const Eigen::Isometry3d& ct_from_camera) const {
       {std::move(raster.depth_mm), Image<std::uint8_t>(camera_.width_px, camera_.height_px, 0)},
       Image<Rgb8>(camera_.width_px, camera_.height_px)};
   Image<std::uint8_t> is_skin(camera_.width_px, camera_.height_px, 0);
+  const float to_table_mm = table_.top_mm() - eye_ct.y();
+  const float to_floor_mm = table_.floor_mm() - eye_ct.y();
+  const bool is_above_table = to_table_mm > 0.0F;
+  const auto wood = table_.picture();
+  const auto num_columns = static_cast<float>(wood.width());
+  const auto num_rows = static_cast<float>(wood.height());
   RoomRow room(camera_.width_px);
   const Vector3f step_x = rotation.col(0) * static_cast<float>(1.0 / camera_.focal_x_px);
   const Vector3f step_y = rotation.col(1) * static_cast<float>(1.0 / camera_.focal_y_px);
@@ -233,21 +241,28 @@ ScenePicture Scene::draw(const Eigen::Isometry3d& ct_from_camera) const {
     Rgb8* color = picture.color.view().row(y);
     const std::uint32_t* triangle = raster.triangle_idx.view().row(y);
     for (int x = 0; x < camera_.width_px; ++x) {
-      const Vector3f ray_ct = row_ray + static_cast<float>(x) * step_x;
       if (triangle[x] != DepthRaster::kNothing) {
+        const Vector3f ray_ct = row_ray + static_cast<float>(x) * step_x;
         draw_skin_pixel(lit, triangle[x], x, y, eye_ct + z_mm[x] * ray_ct, picture);
         is_skin(x, y) = 1;
         continue;
       }
-      const auto i = static_cast<std::size_t>(x);
-      if (room.z_mm[i] <= 0.0F) continue;  // Darkness.
-      const float cosine = room.cosine[i];
-      z_mm[x] = room.z_mm[i];
+      const float cosine = room.cosine[x];
+      if (cosine <= 0.0F) continue;  // Above the horizon: darkness.
+      const float column = room.table_column[x];
+      const float row = room.table_row[x];
+      const bool is_table = is_above_table & (column >= 0.0F) & (row >= 0.0F) &
+                            (column < num_columns) & (row < num_rows);
       facing[x] = static_cast<std::uint8_t>(255.0F * cosine);
-      color[x] = room.texel[i] >= 0
-                     ? dimmed(table_.texel(room.texel[i]),
-                              static_cast<unsigned>(256.0F * (0.62F + 0.38F * cosine)))
-                     : floor_color(eye_ct + z_mm[x] * ray_ct, cosine);
+      if (is_table) {
+        z_mm[x] = to_table_mm * room.per_fall[x];
+        color[x] = dimmed(wood(static_cast<int>(column), static_cast<int>(row)),
+                          static_cast<unsigned>(158.0F + 98.0F * cosine));
+      } else if (to_floor_mm > 0.0F) {
+        z_mm[x] = to_floor_mm * room.per_fall[x];
+        const Vector3f ray_ct = row_ray + static_cast<float>(x) * step_x;
+        color[x] = floor_color(eye_ct + z_mm[x] * ray_ct, cosine);
+      }
     }
   }
   soften_outline(is_skin, picture.color);

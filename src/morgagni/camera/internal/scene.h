@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include <Eigen/Core>
 #include <Eigen/Geometry>
 
 #include "morgagni/camera/internal/kinect_noise.h"
@@ -47,15 +48,19 @@ class Scene {
                        int y,
                        const Eigen::Vector3f& at_ct,
                        ScenePicture& picture) const;
-  /// What the rays of one row of pixels meet where no skin is in their way.
+  /// Where the rays of one row of pixels go past the skin.
   struct RoomRow {
     explicit RoomRow(int width)
-        : z_mm(static_cast<std::size_t>(width)),
-          texel(static_cast<std::size_t>(width)),
-          cosine(static_cast<std::size_t>(width)) {}
-    std::vector<float> z_mm;          ///< 0: nothing.
-    std::vector<std::int32_t> texel;  ///< Of the table; -1: the floor.
-    std::vector<float> cosine;        ///< Between ray and normal.
+        : x(Eigen::ArrayXf::LinSpaced(width, 0.0F, static_cast<float>(width - 1))),
+          cosine(width),
+          per_fall(width),
+          table_column(width),
+          table_row(width) {}
+    Eigen::ArrayXf x;
+    Eigen::ArrayXf cosine;    ///< Between ray and vertical.
+    Eigen::ArrayXf per_fall;  ///< Depth a millimetre of fall.
+    Eigen::ArrayXf table_column;
+    Eigen::ArrayXf table_row;
   };
   void look_past_skin(int y,
                       const Eigen::Vector3f& eye_ct,

@@ -21,19 +21,13 @@ class Table {
   [[nodiscard]] float top_mm() const { return top_mm_; }
   [[nodiscard]] float floor_mm() const { return top_mm_ + kHeightMm; }
 
-  /// Where (x, z) of the table's plane lies in its picture; -1 beyond the rim. Without branches,
-  /// for whole rows of pixels are asked for at once.
-  [[nodiscard]] std::int32_t texel_at(float x_mm, float z_mm) const {
-    const float column = (x_mm - left_mm_) * kTexelsPerMm;
-    const float row = (z_mm - foot_mm_) * kTexelsPerMm;
-    const auto width = static_cast<float>(picture_.width());
-    const auto height = static_cast<float>(picture_.height());
-    const bool is_on = (column >= 0.0F) & (row >= 0.0F) & (column < width) & (row < height);
-    const auto whole_column = static_cast<std::int32_t>(is_on ? column : 0.0F);
-    const auto whole_row = static_cast<std::int32_t>(is_on ? row : 0.0F);
-    return is_on ? whole_row * picture_.width() + whole_column : -1;
+  /// Column and row in the table's picture of a place (x, z) on its plane.
+  [[nodiscard]] Eigen::Vector2f texel_at(float x_mm, float z_mm) const {
+    return {(x_mm - left_mm_) * kTexelsPerMm, (z_mm - foot_mm_) * kTexelsPerMm};
   }
-  [[nodiscard]] const Rgb8& texel(std::int32_t index) const { return picture_.data()[index]; }
+  [[nodiscard]] static constexpr float texels_per_mm() { return kTexelsPerMm; }
+  /// Its size in texels, and the colours row by row.
+  [[nodiscard]] ImageView<const Rgb8> picture() const { return picture_.view(); }
 
  private:
   static constexpr float kHeightMm = 780.0F;
