@@ -28,10 +28,21 @@ Eigen::Vector3d viewing_direction(BodySide side) {
 
 }  // namespace
 
+std::optional<BodySide> parse_body_side(std::string_view name) {
+  if (name == "anterior") return BodySide::kAnterior;
+  if (name == "posterior") return BodySide::kPosterior;
+  if (name == "left") return BodySide::kLeft;
+  if (name == "right") return BodySide::kRight;
+  return std::nullopt;
+}
+
 Result<void> PlacementOptions::check() const {
-  if (!(distance_mm >= 100.0 && distance_mm <= 3000.0)) {
+  if (!(distance_mm >= kMinDistanceMm && distance_mm <= kMaxDistanceMm)) {
     return make_error(ErrorCode::kInvalidArgument,
-                      fmt::format("distance_mm must be in [100, 3000], got {}", distance_mm));
+                      fmt::format("distance_mm must be in [{}, {}], got {}",
+                                  kMinDistanceMm,
+                                  kMaxDistanceMm,
+                                  distance_mm));
   }
   if (!std::isfinite(roll_rad)) {
     return make_error(ErrorCode::kInvalidArgument,
