@@ -113,11 +113,11 @@ Result<std::vector<T>> read_lines(const std::filesystem::path& path,
   return values;
 }
 
-/// Median distance of the skin targets to the skin when they are moved by `shift`; a target beyond
-/// the field counts as at its edge.
-double median_off_skin_mm(const std::vector<Target>& targets,
-                          const DistanceField& skin,
-                          const Eigen::Vector3d& shift) {
+/// Distances of the skin targets to the skin when they are moved by `shift`; a target beyond the
+/// field counts as at its edge.
+std::vector<double> off_skin_mm(const std::vector<Target>& targets,
+                                const DistanceField& skin,
+                                const Eigen::Vector3d& shift) {
   std::vector<double> distances_mm;
   for (const auto& target : targets) {
     if (!target.on_skin) continue;
@@ -128,7 +128,26 @@ double median_off_skin_mm(const std::vector<Target>& targets,
     distances_mm.push_back(
         static_cast<double>(known ? std::abs(sample.distance_mm) : skin.coarse().band_mm));
   }
-  return quantile(std::move(distances_mm), 0.5);
+  return distances_mm;
+}
+
+/// The centre among the conventions that leaves the targets nearest to the skin, on average.
+Eigen::Vector3d best_center(const std::vector<Target>& targets,
+                            const DistanceField& skin,
+                            const Eigen::Vector3d& volume_center,
+                            const Eigen::Vector3d& half_voxel) {
+  Eigen::Vector3d best = volume_center;
+  double best_mm = summarize(off_skin_mm(targets, skin, volume_center)).mean;
+  const Eigen::Vector3d in_plane(half_voxel.x(), half_voxel.y(), 0.0);
+  const Eigen::Vector3d along_slices(0.0, 0.0, half_voxel.z());
+  for (const Eigen::Vector3d& shift :
+       {in_plane, along_slices, Eigen::Vector3d(in_plane + along_slices)}) {
+    const double mean_mm = summarize(off_skin_mm(targets, skin, volume_center + shift)).mean;
+    if (mean_mm >= best_mm) continue;
+    best_mm = mean_mm;
+    best = volume_center + shift;
+  }
+  return best;
 }
 
 }  // namespace
@@ -146,32 +165,35 @@ Result<AlignedTruth> align_truth_to_case(std::vector<TimedPose> poses,
                                          std::vector<Target> targets,
                                          TruthFrame frame,
                                          const DistanceField& skin,
-                                         const Eigen::Vector3d& volume_center) {
-  const double as_given_mm = median_off_skin_mm(targets, skin, Eigen::Vector3d::Zero());
-  const double shifted_mm = median_off_skin_mm(targets, skin, volume_center);
+                                         const Eigen::Vector3d& volume_center,
+                                         const Eigen::Vector3d& half_voxel) {
+  const Eigen::Vector3d center = best_center(targets, skin, volume_center, half_voxel);
+  const double as_given_mm = quantile(off_skin_mm(targets, skin, Eigen::Vector3d::Zero()), 0.5);
+  const double shifted_mm = quantile(off_skin_mm(targets, skin, center), 0.5);
   const bool shift =
       frame == TruthFrame::kCentred || (frame == TruthFrame::kAuto && as_given_mm > kMaxOffSkinMm &&
                                         shifted_mm < kMaxOffSkinAfterShiftMm);
-  const double off_skin_mm = shift ? shifted_mm : as_given_mm;
-  if (off_skin_mm > (shift ? kMaxOffSkinAfterShiftMm : kMaxOffSkinMm)) {
+  const double found_mm = shift ? shifted_mm : as_given_mm;
+  const double limit_mm = shift ? kMaxOffSkinAfterShiftMm : kMaxOffSkinMm;
+  if (found_mm > limit_mm) {
     return make_error(
         ErrorCode::kInvalidArgument,
         fmt::format("the skin targets are {:.1f} mm off the case's skin (median, at most {} mm "
                     "allowed): do they belong to another case?",
-                    off_skin_mm,
-                    shift ? kMaxOffSkinAfterShiftMm : kMaxOffSkinMm));
+                    found_mm,
+                    limit_mm));
   }
   AlignedTruth aligned{std::move(poses), std::move(targets), {}};
   if (!shift) return aligned;
-  for (auto& pose : aligned.poses) pose.ct_from_depth.pretranslate(volume_center);
-  for (auto& target : aligned.targets) target.ct += volume_center;
+  for (auto& pose : aligned.poses) pose.ct_from_depth.pretranslate(center);
+  for (auto& target : aligned.targets) target.ct += center;
   aligned.warning = fmt::format(
       "truth and targets have their origin at the centre of the CT volume: both were shifted by "
-      "({:.1f}, {:.1f}, {:.1f}) mm, which puts the skin targets {:.1f} mm off the skin (median)",
-      volume_center.x(),
-      volume_center.y(),
-      volume_center.z(),
-      off_skin_mm);
+      "({:.2f}, {:.2f}, {:.2f}) mm, which puts the skin targets {:.2f} mm off the skin (median)",
+      center.x(),
+      center.y(),
+      center.z(),
+      found_mm);
   return aligned;
 }
 

@@ -52,14 +52,19 @@ struct AlignedTruth {
 
 /// Brings truth and targets into the case's frame and checks that the skin targets lie on its skin.
 ///
-/// @param volume_center  Of the CT's grid, LPS mm.
+/// @param volume_center  Mean of the first and the last voxel's centre, LPS mm.
+/// @param half_voxel  From a voxel's centre to its far corner, LPS mm. Tools differ in whether the
+///        centre of n slices is (n - 1) / 2 or n / 2: of both, in plane and along the slices, the
+///        one with the targets nearer to the skin is taken. Zero: the first.
 /// @errors kInvalidArgument: the skin targets are off the skin (median distance above 10 mm, or
 ///         above 3 mm after the shift): most likely another case's. Without skin targets nothing is
 ///         checked and kAuto means kCt.
-[[nodiscard]] Result<AlignedTruth> align_truth_to_case(std::vector<TimedPose> poses,
-                                                       std::vector<Target> targets,
-                                                       TruthFrame frame,
-                                                       const DistanceField& skin,
-                                                       const Eigen::Vector3d& volume_center);
+[[nodiscard]] Result<AlignedTruth> align_truth_to_case(
+    std::vector<TimedPose> poses,
+    std::vector<Target> targets,
+    TruthFrame frame,
+    const DistanceField& skin,
+    const Eigen::Vector3d& volume_center,
+    const Eigen::Vector3d& half_voxel = Eigen::Vector3d::Zero());
 
 }  // namespace mor

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -16,11 +17,15 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 /// Which pairs of moving point and field count, and how much.
 struct PairingRule {
-  /// Tukey's scale for points above the skin (clutter lies there), mm.
-  float outside_scale_mm = 10.0F;
-  /// And for points below it, where a camera cannot see: these are errors to be mended.
-  float inside_scale_mm = 10.0F;
+  /// Tukey's scales: a pair farther apart does not count. Points above the skin may be clutter,
+  /// points below it cannot be seen through it and so tell of an error of the pose.
+  float above_scale_mm = 10.0F;
+  float below_scale_mm = 10.0F;
   float min_normal_cosine = 0.5F;  ///< Between the normals of a pair.
+  /// Tukey's scale for the mean distance of a point and its neighbours in the picture's row; 0: not
+  /// looked at. A sensor's noise differs from point to point and averages out; the edge of a towel
+  /// or hand does not, so this scale can be far below the other one.
+  float row_scale_mm = 0.0F;
 };
 
 /// One linearisation of the weighted squared point-to-plane distances about a pose:
@@ -33,6 +38,7 @@ struct NormalEquations {
   int num_pairs = 0;
 };
 
+/// @param points  In the picture's order where the rule looks at rows.
 [[nodiscard]] NormalEquations linearize(const FieldLevel& level,
                                         std::span<const SensorPoint> points,
                                         const Eigen::Isometry3d& fixed_from_moving,
