@@ -3,11 +3,14 @@
 #include "dicom_folder.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <map>
 #include <numbers>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <itkGDCMImageIO.h>
@@ -65,6 +68,15 @@ struct Folder {
   int num_dicom = 0;
 };
 
+/// Whether the file begins as DICOM files do: then it is not passed over like a stray text.
+bool says_dicom(const fs::path& path) {
+  constexpr std::size_t kPreambleBytes = 128;
+  std::array<char, kPreambleBytes + 4> start{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(start.data(), start.size());
+  return std::string_view(start.data() + kPreambleBytes, 4) == "DICM";
+}
+
 Result<Folder> look_through(const fs::path& path) {
   MOR_TRY(const auto files, files_of(path));
   Folder folder;
@@ -72,6 +84,12 @@ Result<Folder> look_through(const fs::path& path) {
     say_file(files[i].string());
     if (i % 8 == 0) say_progress(kScanShare * static_cast<double>(i) / files.size());
     auto header = read_dicom_header(files[i]);
+    if (!header && says_dicom(files[i])) {
+      return make_error(ErrorCode::kIo,
+                        files[i].filename().string() +
+                            " is a DICOM file that is cut short or damaged: copy "
+                            "the series again");
+    }
     if (!header) {
       ++folder.skipped["it is no DICOM file"];
       continue;
@@ -124,6 +142,8 @@ Result<void> check_alike(const Series& series) {
     return make_error(code, header.path.filename().string() + " " + what);
   };
   for (const auto& header : series) {
+    if (header.pixels_cut_short)
+      return refuse(ErrorCode::kIo, header, "is cut short: copy the series again");
     if (header.samples_per_pixel != 1)
       return refuse(ErrorCode::kUnsupported, header, "is a colour picture, a CT slice is grey");
     if (header.num_frames != 1)

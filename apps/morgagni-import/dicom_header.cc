@@ -4,7 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <system_error>
 #include <vector>
 
 #include <gdcmReader.h>
@@ -13,6 +17,8 @@
 
 namespace mor::import {
 namespace {
+
+using namespace std::string_literals;
 
 const gdcm::Tag kImageType(0x0008, 0x0008);
 const gdcm::Tag kModality(0x0008, 0x0060);
@@ -26,6 +32,7 @@ const gdcm::Tag kNumFrames(0x0028, 0x0008);
 const gdcm::Tag kRows(0x0028, 0x0010);
 const gdcm::Tag kColumns(0x0028, 0x0011);
 const gdcm::Tag kPixelSpacing(0x0028, 0x0030);
+const gdcm::Tag kBitsAllocated(0x0028, 0x0100);
 const gdcm::Tag kPixelData(0x7fe0, 0x0010);
 
 std::string trimmed(std::string text) {
@@ -69,6 +76,34 @@ std::optional<Eigen::Matrix<double, 3, 2>> axes_of(const std::string& text) {
   return axes;
 }
 
+/// GDCM reads pixels beyond a file's end as if they were there. Compressed ones have no length to
+/// compare with; their decoder complains instead.
+bool lacks_pixels(const gdcm::Reader& reader,
+                  const std::filesystem::path& path,
+                  const DicomHeader& header,
+                  int bits_allocated) {
+  if (reader.GetFile().GetHeader().GetDataSetTransferSyntax().IsEncapsulated()) return false;
+  const auto num_pixel_bytes = static_cast<std::uintmax_t>(header.columns) *
+                               static_cast<std::uintmax_t>(header.rows) *
+                               static_cast<std::uintmax_t>(bits_allocated) / 8;
+  std::error_code failure;
+  const auto num_bytes = std::filesystem::file_size(path, failure);
+  constexpr std::uintmax_t kMaxHeaderBytes = 64 << 20;
+  if (failure || num_bytes < num_pixel_bytes) return true;
+  // The pixels' tag and length must end in what the file has beside as many bytes.
+  std::string start(std::min(num_bytes - num_pixel_bytes, kMaxHeaderBytes), '\0');
+  std::ifstream(path, std::ios::binary)
+      .read(start.data(), static_cast<std::streamsize>(start.size()));
+  constexpr std::size_t kTagAndLength = 8;
+  constexpr std::size_t kTagTypeAndLength = 12;
+  const auto little = start.rfind("\xe0\x7f\x10\x00"s);
+  const auto big = start.rfind("\x7f\xe0\x00\x10"s);
+  const auto at = little != std::string::npos ? little : big;
+  if (at == std::string::npos || at + kTagAndLength > start.size()) return true;
+  const bool has_type = start[at + 4] == 'O';
+  return at + (has_type ? kTagTypeAndLength : kTagAndLength) > start.size();
+}
+
 }  // namespace
 
 std::optional<DicomHeader> read_dicom_header(const std::filesystem::path& path) {
@@ -91,6 +126,7 @@ std::optional<DicomHeader> read_dicom_header(const std::filesystem::path& path) 
   header.image_type = text(kImageType);
   header.columns = count_of(text(kColumns), 0);
   header.rows = count_of(text(kRows), 0);
+  header.pixels_cut_short = lacks_pixels(reader, path, header, count_of(text(kBitsAllocated), 16));
   header.samples_per_pixel = count_of(text(kSamplesPerPixel), 1);
   header.num_frames = count_of(text(kNumFrames), 1);
   header.has_pixels = header.columns > 0 && header.rows > 0;

@@ -23,6 +23,7 @@ struct DicomHeader {
   int samples_per_pixel = 1;
   int num_frames = 1;
   bool has_pixels = false;
+  bool pixels_cut_short = false;                    ///< The file ends before they do.
   std::optional<Eigen::Vector3d> position_mm;       ///< Image Position (Patient).
   std::optional<Eigen::Matrix<double, 3, 2>> axes;  ///< Unit vectors along a row, down a column.
   Eigen::Vector2d spacing_mm = Eigen::Vector2d::Zero();  ///< Along a row, down a column.

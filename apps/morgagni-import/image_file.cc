@@ -6,7 +6,9 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
+#include <memory>
 #include <sstream>
 #include <string>
 #include <system_error>
@@ -16,6 +18,7 @@
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
+#include <zlib.h>
 
 namespace mor::import {
 namespace {
@@ -65,6 +68,42 @@ Result<void> check_meta_length(const std::filesystem::path& path, std::uintmax_t
                     path.filename().string() + " is cut short: " + std::to_string(num_bytes) +
                         " bytes of voxels are announced, " + std::to_string(failure ? 0 : left) +
                         " are there");
+}
+
+/// ITK fills up a NIfTI that is cut short without a word too: all of it is read through once.
+/// @param num_voxels  That the header announces.
+Result<void> check_nifti_length(const std::filesystem::path& path, std::uintmax_t num_voxels) {
+  constexpr std::size_t kHeaderBytes = 348;
+  constexpr std::size_t kBitsPerVoxelAt = 72;
+  constexpr std::size_t kVoxelsStartAt = 108;
+  // zlib reads files that are not compressed as they are.
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(::gzopen(path.c_str(), "rb"), ::gzclose);
+  std::vector<char> bytes(std::size_t{1} << 20);
+  std::uintmax_t num_bytes = 0;
+  std::uintmax_t num_wanted = num_voxels;
+  while (file) {
+    const int got = ::gzread(file.get(), bytes.data(), static_cast<unsigned>(bytes.size()));
+    if (got <= 0) break;
+    std::int32_t header_bytes = 0;
+    std::memcpy(&header_bytes, bytes.data(), sizeof(header_bytes));
+    if (num_bytes == 0 && got >= static_cast<int>(kHeaderBytes) && header_bytes == kHeaderBytes) {
+      std::int16_t bits = 0;
+      float start = 0.0F;
+      std::memcpy(&bits, bytes.data() + kBitsPerVoxelAt, sizeof(bits));
+      std::memcpy(&start, bytes.data() + kVoxelsStartAt, sizeof(start));
+      if (bits > 0 && start >= 0.0F && start < 1e9F)
+        num_wanted =
+            num_voxels * static_cast<std::uintmax_t>(bits) / 8 + static_cast<std::uintmax_t>(start);
+    }
+    num_bytes += static_cast<std::uintmax_t>(got);
+  }
+  int failure = Z_OK;
+  if (file) ::gzerror(file.get(), &failure);
+  if (file && failure == Z_OK && num_bytes >= num_wanted) return {};
+  return make_error(ErrorCode::kIo,
+                    path.filename().string() +
+                        " is cut short or damaged: " + std::to_string(num_wanted) +
+                        " bytes are announced, " + std::to_string(num_bytes) + " can be read");
 }
 
 /// The reader that the file's name asks for; none for other names.
@@ -167,7 +206,9 @@ Result<ImportedVolume> read_image_file(const std::filesystem::path& path) {
     MOR_TRY(volume.header, header_of(*io, name));
     if (is_meta_image(name))
       MOR_CHECK(check_meta_length(path, static_cast<std::uintmax_t>(io->GetImageSizeInBytes())));
-    say_progress(0.05);
+    if (dynamic_cast<const itk::NiftiImageIO*>(io.GetPointer()) != nullptr)
+      MOR_CHECK(check_nifti_length(path, static_cast<std::uintmax_t>(io->GetImageSizeInPixels())));
+    say_progress(0.2);
     const auto reader = itk::ImageFileReader<FloatImage>::New();
     reader->SetImageIO(io);
     reader->SetFileName(path.string());

@@ -2,9 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/ct/volume_import.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -116,10 +120,94 @@ TEST_F(ImportVolume, SaysWhatIsWrongWithAFile) {
               HasSubstr("99999 voxels"));
 }
 
+TEST_F(ImportVolume, RefusesNrrdsThatAreCutShortOrInColour) {
+  const std::string head = "NRRD0004\ntype: short\nencoding: raw\nendian: little\n";
+  const std::string grid = "dimension: 3\nsizes: 4 3 2\nspacings: 1 1 1\n\n";
+  EXPECT_EQ(error_of(write("whole.nrrd", head + grid + std::string(48, 'a'))), "no error");
+  EXPECT_THAT(error_of(write("cut.nrrd", head + grid + std::string(30, 'a'))),
+              HasSubstr("cut short"));
+  EXPECT_THAT(error_of(write("four.nrrd",
+                             head + "dimension: 4\nsizes: 2 3 2 2\n\n" + std::string(48, 'a'))),
+              HasSubstr("4 dimensions"));
+}
+
+TEST_F(ImportVolume, RefusesARealNiftiThatIsCutShort) {
+  const auto whole = fs::path(MORGAGNI_DATA_DIR) / "ct_head_invesalius/promed_ct_0051.nii.gz";
+  if (!fs::exists(whole)) GTEST_SKIP() << "no " << whole;
+  fs::copy_file(whole, folder_ / "cut.nii.gz");
+  fs::permissions(folder_ / "cut.nii.gz", fs::perms::owner_all);
+  fs::resize_file(folder_ / "cut.nii.gz", 3000000);
+  EXPECT_THAT(error_of(folder_ / "cut.nii.gz"), HasSubstr("cut.nii.gz is cut short or damaged"));
+}
+
 TEST_F(ImportVolume, SaysWhatIsWrongWithAFolder) {
   EXPECT_THAT(error_of(folder_), HasSubstr("holds no DICOM file"));
   write("note.txt", "hello");
   EXPECT_THAT(error_of(folder_), HasSubstr("holds no DICOM file"));
+}
+
+/// Real slices, spoilt one way or another.
+class ImportSpoiltDicom : public ImportVolume {
+ protected:
+  void SetUp() override {
+    ImportVolume::SetUp();
+    const auto archive =
+        fs::path(MORGAGNI_DATA_DIR) / "phantom_skull_philips/skull_untilted_5mm_dicom.tar.xz";
+    if (!fs::exists(archive)) GTEST_SKIP() << "no " << archive;
+    const std::string command =
+        "tar xJf '" + archive.string() + "' -C '" + folder_.string() + "' --strip-components=1";
+    ASSERT_EQ(std::system(command.c_str()), 0);
+    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
+      fs::permissions(entry.path(), fs::perms::owner_all);
+      if (entry.is_regular_file() && entry.file_size() > 100000) slices_.push_back(entry.path());
+    }
+    std::sort(slices_.begin(), slices_.end());
+    ASSERT_GE(slices_.size(), 20U);
+  }
+
+  std::vector<fs::path> slices_;
+};
+
+TEST_F(ImportSpoiltDicom, PassesOverTheFileWithoutPixels) {
+  const auto volume = import_volume(folder_, {});
+  ASSERT_TRUE(volume) << volume.error().message;
+  EXPECT_EQ(volume->size, (std::array{512, 512, 28}));
+  EXPECT_NEAR(volume->spacing_mm.z(), 5.0, 1e-6);
+  EXPECT_THAT(volume->description, HasSubstr("STD BRAIN 5MM"));
+}
+
+TEST_F(ImportSpoiltDicom, RefusesASliceCutInItsHeader) {
+  fs::resize_file(slices_[3], 900);
+  EXPECT_THAT(error_of(folder_), HasSubstr("cut short or damaged"));
+}
+
+TEST_F(ImportSpoiltDicom, RefusesASliceWhosePixelsEndEarly) {
+  fs::resize_file(slices_[3], fs::file_size(slices_[3]) - 100);
+  EXPECT_THAT(error_of(folder_), HasSubstr(slices_[3].filename().string() + " is cut short"));
+}
+
+TEST_F(ImportSpoiltDicom, RefusesTheSameSliceTwice) {
+  fs::copy_file(slices_[3], folder_ / "again");
+  EXPECT_THAT(error_of(folder_), HasSubstr("two slices lie at the same place"));
+}
+
+TEST_F(ImportSpoiltDicom, RefusesAWideGap) {
+  for (std::size_t i = 8; i < 14; ++i) fs::remove(slices_[i]);
+  const std::string message = error_of(folder_);
+  EXPECT_THAT(message, HasSubstr("slices are missing"));
+}
+
+TEST_F(ImportSpoiltDicom, RefusesAnotherModality) {
+  for (const auto& slice : slices_) {
+    std::ifstream file(slice, std::ios::binary);
+    std::string bytes((std::istreambuf_iterator<char>(file)), {});
+    // (0008,0060) Modality, a CS of two letters: CT becomes MR.
+    const auto at = bytes.find(std::string("\x08\0\x60\0CS\x02\0CT", 10));
+    ASSERT_NE(at, std::string::npos);
+    bytes.replace(at + 8, 2, "MR");
+    std::ofstream(slice, std::ios::binary) << bytes;
+  }
+  EXPECT_THAT(error_of(folder_), HasSubstr("its modality is MR, not CT"));
 }
 
 /// A program in the place of morgagni-import that does what the shell lines say.
