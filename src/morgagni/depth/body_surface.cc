@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/depth/body_surface.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -74,6 +75,7 @@ Result<void> BodySurfaceOptions::check() const {
 struct BodySurfaceExtractor::Impl {
   Impl(const PinholeCamera& depth_camera, const BodySurfaceOptions& surface_options);
 
+  [[nodiscard]] int grid_position(std::optional<double> pixel, int size) const;
   void back_project(ImageView<const std::uint16_t> depth_mm);
   void add_vertices(std::size_t count, PointCloud& cloud);
   void add_triangles(std::size_t num_vertices, std::vector<Triangle>& triangles) const;
@@ -112,6 +114,13 @@ BodySurfaceExtractor::Impl::Impl(const PinholeCamera& depth_camera,
       ray_y.push_back(static_cast<float>(ray.y()));
     }
   }
+}
+
+/// The grid's column or row nearest to a pixel coordinate; the middle one for none.
+int BodySurfaceExtractor::Impl::grid_position(std::optional<double> pixel, int size) const {
+  if (!pixel || !std::isfinite(*pixel)) return size / 2;
+  const double position = std::clamp(*pixel / options.down_sampling, 0.0, size - 1.0);
+  return static_cast<int>(std::lround(position));
 }
 
 void BodySurfaceExtractor::Impl::back_project(ImageView<const std::uint16_t> depth_mm) {
@@ -198,7 +207,8 @@ BodySurfaceExtractor::BodySurfaceExtractor(BodySurfaceExtractor&&) noexcept = de
 BodySurfaceExtractor& BodySurfaceExtractor::operator=(BodySurfaceExtractor&&) noexcept = default;
 BodySurfaceExtractor::~BodySurfaceExtractor() = default;
 
-Result<BodySurface> BodySurfaceExtractor::extract(ImageView<const std::uint16_t> depth_mm) {
+Result<BodySurface> BodySurfaceExtractor::extract(ImageView<const std::uint16_t> depth_mm,
+                                                  std::optional<Eigen::Vector2d> seed_px) {
   Impl& impl = *impl_;
   if (depth_mm.width() != impl.camera.width_px || depth_mm.height() != impl.camera.height_px) {
     return make_error(ErrorCode::kInvalidArgument,
@@ -210,7 +220,12 @@ Result<BodySurface> BodySurfaceExtractor::extract(ImageView<const std::uint16_t>
   }
   impl.back_project(depth_mm);
   internal::connect_neighbors(impl.grid, static_cast<float>(impl.options.max_edge_mm), impl.edges);
-  const std::size_t count = impl.grower.grow_from_center(impl.grid, impl.edges, impl.mask);
+  const std::size_t count = impl.grower.grow(
+      impl.grid,
+      impl.edges,
+      impl.grid_position(seed_px ? std::optional(seed_px->x()) : std::nullopt, impl.grid.width),
+      impl.grid_position(seed_px ? std::optional(seed_px->y()) : std::nullopt, impl.grid.height),
+      impl.mask);
   BodySurface surface;
   if (count == 0) return surface;
   impl.normals.fit(impl.grid.z, impl.mask);

@@ -3,7 +3,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "morgagni/core/image.h"
 #include "morgagni/core/result.h"
@@ -41,11 +44,14 @@ class BodySurfaceExtractor {
   ~BodySurfaceExtractor();
 
   /// @param depth_mm  Size of the camera's pictures; 0 = no reading.
+  /// @param seed_px  Grow from here instead of from the picture's centre: where a tracked body is
+  ///        expected. Outside the picture: from its nearest pixel.
   /// @return An empty surface where nothing is in range: no body in view is not an error.
   /// @errors kInvalidArgument: a size unlike the camera's.
   /// @threads One call at a time: keeps its buffers between frames.
   /// @cost < 4 ms at 640x480 on one thread, at any down-sampling.
-  [[nodiscard]] Result<BodySurface> extract(ImageView<const std::uint16_t> depth_mm);
+  [[nodiscard]] Result<BodySurface> extract(ImageView<const std::uint16_t> depth_mm,
+                                            std::optional<Eigen::Vector2d> seed_px = std::nullopt);
 
  private:
   struct Impl;

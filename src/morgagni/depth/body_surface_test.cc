@@ -148,6 +148,20 @@ TEST(BodySurface, GrowsFromTheNearestReadingWhereTheCenterHasNone) {
   EXPECT_EQ(surface.cloud.size(), 80U * 50U);
 }
 
+TEST(BodySurface, GrowsFromWhereTheBodyIsExpected) {
+  DepthImage image(640, 480, 900);
+  for (int y = 20; y < 60; ++y) {
+    for (int x = 500; x < 600; ++x) image(x, y) = 700;
+  }
+  auto extractor = *BodySurfaceExtractor::create(kKinect, {.down_sampling = 1.0});
+  EXPECT_EQ(extractor.extract(image.view(), Eigen::Vector2d(550.0, 40.0))->cloud.size(), 4000U);
+  EXPECT_EQ(extractor.extract(image.view())->cloud.size(), 640U * 480U - 4000U);
+  // Beside the picture: from its border. Not a number: from its centre.
+  EXPECT_GT(extractor.extract(image.view(), Eigen::Vector2d(-1e9, 40.0))->cloud.size(), 4000U);
+  EXPECT_GT(extractor.extract(image.view(), Eigen::Vector2d(std::nan(""), 0.0))->cloud.size(),
+            4000U);
+}
+
 TEST(BodySurface, ConnectsAcrossADiagonalOnly) {
   DepthImage image(640, 480, 0);
   image(320, 240) = 600;

@@ -69,10 +69,12 @@ class Evaluation {
  public:
   Evaluation(const FineRegistration& registration,
              BodySurfaceExtractor& extractor,
+             const Eigen::Vector3d& skin_center,
              const std::vector<Target>& targets,
              const EvaluationOptions& options)
       : registration_(registration),
         extractor_(extractor),
+        skin_center_(skin_center),
         targets_(targets),
         options_(options),
         random_(options.seed) {}
@@ -89,6 +91,7 @@ class Evaluation {
 
   const FineRegistration& registration_;
   BodySurfaceExtractor& extractor_;
+  Eigen::Vector3d skin_center_;  ///< Of the CT, whose place in the picture the growth starts from.
   const std::vector<Target>& targets_;
   const EvaluationOptions& options_;
   std::mt19937_64 random_;
@@ -116,8 +119,11 @@ Result<RegistrationResult> Evaluation::run(const PointCloud& cloud,
 }
 
 Result<void> Evaluation::add_frame(const RgbdFrame& frame, const Eigen::Isometry3d& truth) {
+  const bool from_last = options_.num_starts == 0 && last_pose_;
+  const Eigen::Isometry3d expected = from_last ? *last_pose_ : truth;
+  const auto seed_px = frame.calibration->depth.project(expected.inverse() * skin_center_);
   const auto started = std::chrono::steady_clock::now();
-  MOR_TRY(const BodySurface surface, extractor_.extract(frame.depth_mm.view()));
+  MOR_TRY(const BodySurface surface, extractor_.extract(frame.depth_mm.view(), seed_px));
   depth_ms_.push_back(ms_since(started));
   if (surface.cloud.empty()) {
     return make_error(ErrorCode::kInvalidArgument,
@@ -128,9 +134,8 @@ Result<void> Evaluation::add_frame(const RgbdFrame& frame, const Eigen::Isometry
   }
   points_.push_back(static_cast<double>(surface.cloud.size()));
   if (options_.num_starts == 0) {
-    const Eigen::Isometry3d start = last_pose_.value_or(truth);
     MOR_TRY(const auto result,
-            run(surface.cloud, start, StartQuality::kTracked, truth, frame.frame_id));
+            run(surface.cloud, expected, StartQuality::kTracked, truth, frame.frame_id));
     last_pose_ = result.fixed_from_moving;
     return {};
   }
@@ -226,7 +231,8 @@ Result<EvaluationReport> evaluate_recording(const TumRecording& recording,
   MOR_TRY(const auto registration, make_fine_registration(fixed, options.registration));
   MOR_TRY(auto extractor,
           BodySurfaceExtractor::create(recording.calibration()->depth, options.depth));
-  Evaluation evaluation(*registration, extractor, targets, options);
+  const Eigen::Vector3d skin_center = fixed->mesh.bounds().center().cast<double>();
+  Evaluation evaluation(*registration, extractor, skin_center, targets, options);
   int num_without_truth = 0;
   for (std::size_t i = 0; i < recording.size(); ++i) {
     if (const auto pose = truth_at(truth, recording.timestamp_s(i))) {

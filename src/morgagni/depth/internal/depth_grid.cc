@@ -29,17 +29,15 @@ void connect_row(const DepthGrid& grid,
   }
 }
 
-/// The pixel with a reading that is nearest to the centre, in pixels.
-std::optional<std::size_t> center_seed(const DepthGrid& grid) {
-  const int center_x = grid.width / 2;
-  const int center_y = grid.height / 2;
+/// The pixel with a reading that is nearest to (seed_x, seed_y), in pixels.
+std::optional<std::size_t> nearest_reading(const DepthGrid& grid, int seed_x, int seed_y) {
   std::optional<std::size_t> best;
   int best_sq = std::numeric_limits<int>::max();
   for (int y = 0; y < grid.height; ++y) {
-    const int dy = y - center_y;
+    const int dy = y - seed_y;
     if (dy * dy >= best_sq) continue;
     for (int x = 0; x < grid.width; ++x) {
-      const int sq = (x - center_x) * (x - center_x) + dy * dy;
+      const int sq = (x - seed_x) * (x - seed_x) + dy * dy;
       const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width) +
                             static_cast<std::size_t>(x);
       if (sq < best_sq && !std::isnan(grid.z[i])) {
@@ -118,11 +116,13 @@ void RegionGrower::join_rows(const DepthGrid& grid, const std::vector<std::uint8
   }
 }
 
-std::size_t RegionGrower::grow_from_center(const DepthGrid& grid,
-                                           const std::vector<std::uint8_t>& edges,
-                                           std::vector<std::uint8_t>& mask) {
+std::size_t RegionGrower::grow(const DepthGrid& grid,
+                               const std::vector<std::uint8_t>& edges,
+                               int seed_x,
+                               int seed_y,
+                               std::vector<std::uint8_t>& mask) {
   mask.assign(grid.size(), 0);
-  const auto seed = center_seed(grid);
+  const auto seed = nearest_reading(grid, seed_x, seed_y);
   if (!seed) return 0;
   label_runs(grid, edges);
   join_rows(grid, edges);

@@ -33,11 +33,13 @@ void connect_neighbors(const DepthGrid& grid, float max_edge_mm, std::vector<std
 /// Finds the pixels that are connected with a seed.
 class RegionGrower {
  public:
-  /// Sets `mask` to 1 where a chain of edges leads from the pixel nearest to the grid's centre that
+  /// Sets `mask` to 1 where a chain of edges leads from the pixel nearest to (seed_x, seed_y) that
   /// has a reading, 0 elsewhere. @return The number of pixels in it; 0 when no pixel has a reading.
-  std::size_t grow_from_center(const DepthGrid& grid,
-                               const std::vector<std::uint8_t>& edges,
-                               std::vector<std::uint8_t>& mask);
+  std::size_t grow(const DepthGrid& grid,
+                   const std::vector<std::uint8_t>& edges,
+                   int seed_x,
+                   int seed_y,
+                   std::vector<std::uint8_t>& mask);
 
  private:
   std::uint32_t find_root(std::uint32_t run);
