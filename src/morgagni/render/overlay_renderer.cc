@@ -29,6 +29,9 @@ using internal::RenderTarget;
 constexpr const char* kStructureFragmentText =
 #include "embedded/structure.frag.glsl.inc"
     ;
+constexpr const char* kBodyFragmentText =
+#include "embedded/body.frag.glsl.inc"
+    ;
 constexpr const char* kGhostFragmentText =
 #include "embedded/ghost.frag.glsl.inc"
     ;
@@ -37,6 +40,8 @@ const Eigen::Vector3f kGhostColor(0.45F, 0.85F, 1.0F);
 
 /// Triangles drawn a frame by a CPU, all structures together; a GPU gets them all.
 constexpr std::size_t kSoftwareTriangles = 20000;
+/// Of the skin where only its outline counts.
+constexpr std::size_t kBodyTriangles = 4000;
 constexpr int kSoftwareSamples =
     0;  ///< Four cost llvmpipe three times the CPU: 33 ms a picture for 12.
 constexpr int kGpuSamples = 4;
@@ -118,9 +123,11 @@ PixelBox seen_box(const PinholeCamera& camera,
 class GlOverlayRenderer final : public OverlayRenderer {
  public:
   GlOverlayRenderer(std::unique_ptr<GlContext> context,
+                    LayerPass body_pass,
                     LayerPass structure_pass,
                     LayerPass ghost_pass)
       : context_(std::move(context)),
+        body_pass_(std::move(body_pass)),
         structure_pass_(std::move(structure_pass)),
         ghost_pass_(std::move(ghost_pass)),
         target_(context_->is_software() ? kSoftwareSamples : kGpuSamples) {}
@@ -141,8 +148,9 @@ class GlOverlayRenderer final : public OverlayRenderer {
     }
   }
 
-  void add_ghost(const TriangleMesh& skin) {
+  void add_skin(const TriangleMesh& skin) {
     if (skin.empty()) return;
+    body_.emplace("body", internal::level_of_detail(skin, kBodyTriangles), kGhostColor);
     ghost_.emplace("skin", fitting(skin, skin.triangles.size()), kGhostColor);
   }
 
@@ -194,10 +202,35 @@ class GlOverlayRenderer final : public OverlayRenderer {
     const auto uniforms =
         internal::camera_uniforms(view.color_camera, *view.color_from_ct, bounds_, box);
     if (!uniforms) return {};
-    MOR_CHECK(structure_pass_.draw(shown, *uniforms, box, target_, layer_));
+    MOR_CHECK(target_.begin(box.width, box.height));
+    mark_body(*uniforms);
+    glEnable(GL_DEPTH_TEST);
+    structure_pass_.draw(shown, *uniforms);
+    read_layer(box);
     if (!target_.has_many_samples()) internal::smooth_outline(layer_);
     internal::compose_hole(mask_, layer_, picture_.view());
     return {};
+  }
+
+  /// The hole opens the body, not the table beside it: marks where the body is, all of it where its
+  /// skin is unknown.
+  void mark_body(const CameraUniforms& uniforms) const {
+    if (!body_) {
+      glClearColor(0.0F, 0.0F, 0.0F, internal::kBodyAlpha / 255.0F);
+      glClear(GL_COLOR_BUFFER_BIT);
+      return;
+    }
+    glDisable(GL_DEPTH_TEST);
+    glEnable(GL_DEPTH_CLAMP);  // The planes fit the structures, the skin lies around them.
+    const GlStructure* const body = &*body_;
+    body_pass_.draw({&body, 1}, uniforms);
+    glDisable(GL_DEPTH_CLAMP);
+  }
+
+  void read_layer(const PixelBox& box) {
+    layer_.box = box;
+    layer_.pixels.resize(static_cast<std::size_t>(box.width) * box.height);
+    target_.read(box.width, box.height, layer_.pixels.data());
   }
 
   Result<void> draw_ghost(const OverlayView& view) {
@@ -208,16 +241,21 @@ class GlOverlayRenderer final : public OverlayRenderer {
         internal::camera_uniforms(view.color_camera, *view.color_from_ghost, bounds, box);
     if (!uniforms) return {};
     const GlStructure* const ghost = &*ghost_;
-    MOR_CHECK(ghost_pass_.draw({&ghost, 1}, *uniforms, box, target_, layer_));
+    MOR_CHECK(target_.begin(box.width, box.height));
+    glEnable(GL_DEPTH_TEST);
+    ghost_pass_.draw({&ghost, 1}, *uniforms);
+    read_layer(box);
     internal::compose_over(layer_, picture_.view());
     return {};
   }
 
   std::unique_ptr<GlContext> context_;  // First, so that it outlives the others.
+  LayerPass body_pass_;
   LayerPass structure_pass_;
   LayerPass ghost_pass_;
   RenderTarget target_;
   std::vector<GlStructure> structures_;
+  std::optional<GlStructure> body_;   ///< The skin's outline. None without a skin.
   std::optional<GlStructure> ghost_;  ///< None without a skin.
   Eigen::AlignedBox3f bounds_;        ///< Of the structures, frame ct.
   HoleMask mask_;
@@ -234,12 +272,13 @@ Result<std::unique_ptr<OverlayRenderer>> OverlayRenderer::create(
   }
   MOR_CHECK(check_mesh("the skin", skin));
   MOR_TRY(auto context, GlContext::create());
+  MOR_TRY(LayerPass body_pass, LayerPass::create(kBodyFragmentText));
   MOR_TRY(LayerPass structure_pass, LayerPass::create(kStructureFragmentText));
   MOR_TRY(LayerPass ghost_pass, LayerPass::create(kGhostFragmentText));
   auto renderer = std::make_unique<GlOverlayRenderer>(
-      std::move(context), std::move(structure_pass), std::move(ghost_pass));
+      std::move(context), std::move(body_pass), std::move(structure_pass), std::move(ghost_pass));
   renderer->add_structures(structures);
-  renderer->add_ghost(skin);
+  renderer->add_skin(skin);
   return renderer;
 }
 

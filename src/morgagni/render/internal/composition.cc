@@ -152,7 +152,11 @@ void compose_hole(const HoleMask& mask, const Layer& structures, ImageView<Rgba8
     Rgba8* pixels = picture.row(y) + box.left;
     for (int x = 0; x < box.width; ++x) {
       const auto [structure, background, ring] = weights[x];
-      const unsigned behind = share(background, 255U - share(drawn[x].a, structure));
+      const unsigned body = std::min<unsigned>(drawn[x].a, kBodyAlpha) * 255U / kBodyAlpha;
+      const unsigned drawn_alpha =
+          (std::max<unsigned>(drawn[x].a, kBodyAlpha) - kBodyAlpha) * 255U / (255U - kBodyAlpha);
+      const unsigned lit = 255U - share(255U - background, body);
+      const unsigned behind = share(lit, 255U - share(drawn_alpha, structure));
       const auto blend = [&, w = unsigned{structure}, r = unsigned{ring}](unsigned under,
                                                                           unsigned over) {
         const unsigned seen = std::min(255U, share(under, behind) + share(over, w));

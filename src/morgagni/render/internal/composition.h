@@ -14,12 +14,16 @@
 /// there and goes back there to the encoder, so only the hole has to leave the GPU.
 namespace mor::internal {
 
+/// Alpha of a layer's pixel where the body is and nothing is drawn: 0 is beside the body, 255 a
+/// structure.
+inline constexpr int kBodyAlpha = 16;
+
 /// How the hole treats each of its pixels. Made anew only when the hole or the opacity changes.
 class HoleMask {
  public:
   struct Weights {
     std::uint8_t structure;   ///< Share of the structures, 0..255.
-    std::uint8_t background;  ///< Share of the colour picture's brightness that stays, 0..255.
+    std::uint8_t background;  ///< Share of the body's brightness that stays, 0..255.
     std::uint8_t ring;        ///< Share of the light line around the hole, 0..255.
   };
 
@@ -49,8 +53,8 @@ void copy_background(ImageView<const Rgb8> color, ImageView<Rgba8> picture);
 /// blended into what is beside them, and nothing else is.
 void smooth_outline(Layer& layer);
 
-/// Opens the hole: the picture darker in it and the structures inside. `structures` lies within the
-/// hole's box.
+/// Opens the hole: the body darker in it and the structures inside. `structures` is the hole's box,
+/// with the body marked by kBodyAlpha.
 void compose_hole(const HoleMask& mask, const Layer& structures, ImageView<Rgba8> picture);
 
 /// Lays a layer over the picture.

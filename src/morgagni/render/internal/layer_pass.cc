@@ -39,24 +39,15 @@ void LayerPass::set_camera(const CameraUniforms& uniforms) const {
   glUniform2fv(depth_range_mm_, 1, uniforms.depth_range_mm.data());
 }
 
-Result<void> LayerPass::draw(std::span<const GlStructure* const> structures,
-                             const CameraUniforms& uniforms,
-                             const PixelBox& box,
-                             RenderTarget& target,
-                             Layer& layer) const {
-  MOR_CHECK(target.begin(box.width, box.height));
+void LayerPass::draw(std::span<const GlStructure* const> structures,
+                     const CameraUniforms& uniforms) const {
   glUseProgram(program_.get());
   set_camera(uniforms);
-  glEnable(GL_DEPTH_TEST);
   glFrontFace(GL_CW);  // Row 0 is the top row, which mirrors what OpenGL calls counter-clockwise.
   for (const GlStructure* structure : structures) {
     glUniform3fv(color_, 1, structure->color().data());
     structure->draw();
   }
-  layer.box = box;
-  layer.pixels.resize(static_cast<std::size_t>(box.width) * box.height);
-  target.read(box.width, box.height, layer.pixels.data());
-  return {};
 }
 
 }  // namespace mor::internal

@@ -30,12 +30,8 @@ class LayerPass {
   /// @errors kDevice: the driver refuses the shaders.
   [[nodiscard]] static Result<LayerPass> create(const char* fragment_text);
 
-  /// @param uniforms  Made for `box`. @errors kDevice.
-  [[nodiscard]] Result<void> draw(std::span<const GlStructure* const> structures,
-                                  const CameraUniforms& uniforms,
-                                  const PixelBox& box,
-                                  RenderTarget& target,
-                                  Layer& layer) const;
+  /// Into the target that is begun. @param uniforms  Made for the box that the target stands for.
+  void draw(std::span<const GlStructure* const> structures, const CameraUniforms& uniforms) const;
 
  private:
   explicit LayerPass(GlProgram program);
