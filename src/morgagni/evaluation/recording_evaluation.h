@@ -22,8 +22,8 @@
 namespace mor {
 
 struct EvaluationOptions {
-  RegistrationOptions registration;
-  BodySurfaceOptions depth;
+  RegistrationOptions registration = {};
+  BodySurfaceOptions depth = {};
   /// Perturbed starts a frame; 0: each frame starts from the pose before (the first from the
   /// truth).
   int num_starts = 0;
