@@ -45,7 +45,8 @@ void evaluate(Arguments& arguments) {
                                         value_or_exit(read_targets(arguments.targets)),
                                         arguments.truth_frame,
                                         body.skin->field,
-                                        body.ct_center_mm));
+                                        body.ct_center_mm,
+                                        body.ct_half_voxel_mm));
   if (!truth.warning.empty()) log::warn("{}", truth.warning);
   const auto report = value_or_exit(evaluate_recording(
       recording, body.skin, truth.poses, truth.targets, options, console_progress()));

@@ -124,6 +124,7 @@ Result<Case> load_case(const fs::path& folder) {
   result.name = text_of(json, "name");
   result.ct_description = text_of(json["ct"], "description");
   MOR_TRY(result.ct_center_mm, read_vector(folder, json["ct"], "center_mm"));
+  MOR_TRY(result.ct_half_voxel_mm, read_vector(folder, json["ct"], "half_voxel_mm"));
   MOR_CHECK(check_file(folder, json["files"], internal::kSkinFile));
   MOR_CHECK(check_file(folder, json["files"], internal::kFieldFile));
   MOR_TRY(auto mesh, read_ply(folder / internal::kSkinFile));

@@ -24,9 +24,11 @@ struct Structure {
 
 /// A prepared case: what the live part needs of one body.
 struct Case {
-  std::string name;            ///< The folder's name unless told otherwise.
-  std::string ct_description;  ///< What the CT said of itself.
-  Eigen::Vector3d ct_center_mm = Eigen::Vector3d::Zero();  ///< Centre of the voxel grid, LPS mm.
+  std::string name;                                        ///< The folder's name.
+  std::string ct_description;                              ///< What the CT said of itself.
+  Eigen::Vector3d ct_center_mm = Eigen::Vector3d::Zero();  ///< Centre of the voxel grid, LPS.
+  Eigen::Vector3d ct_half_voxel_mm =
+      Eigen::Vector3d::Zero();  ///< From a voxel's centre to its far corner, LPS.
   std::shared_ptr<const FixedSurface> skin;
   std::vector<Structure> structures;
 };

@@ -62,6 +62,10 @@ Eigen::Vector3d center_mm(const Volume& volume) {
   return volume.ct_from_grid * middle;
 }
 
+Eigen::Vector3d half_voxel_mm(const Volume& volume) {
+  return 0.5 * (volume.ct_from_grid.linear() * volume.spacing_mm);
+}
+
 /// Which CT this is: read from the voxels, so that it holds for a folder of slices as for one file.
 Json identity(const Volume& volume, const fs::path& source) {
   Json axes = Json::array();
@@ -75,6 +79,7 @@ Json identity(const Volume& volume, const fs::path& source) {
           {"origin_mm", to_json(Eigen::Vector3d(volume.ct_from_grid.translation()))},
           {"axes", axes},
           {"center_mm", to_json(center_mm(volume))},
+          {"half_voxel_mm", to_json(half_voxel_mm(volume))},
           {"voxels_sha256", sha256_hex(std::as_bytes(std::span(volume.hu)))}};
 }
 

@@ -12,7 +12,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/core/files.h"
-#include "morgagni/evaluation/statistics.h"
+#include "morgagni/core/statistics.h"
 
 namespace mor {
 namespace {

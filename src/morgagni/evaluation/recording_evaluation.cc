@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/core/statistics.h"
 #include "morgagni/geometry/rigid.h"
 
 namespace mor {

@@ -16,7 +16,7 @@
 #include "morgagni/core/result.h"
 #include "morgagni/depth/body_surface.h"
 #include "morgagni/evaluation/ground_truth.h"
-#include "morgagni/evaluation/statistics.h"
+#include "morgagni/evaluation/summary.h"
 #include "morgagni/registration/fine_registration.h"
 
 namespace mor {

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "morgagni/stream/internal/gst_parts.h"
-#include "morgagni/stream/internal/rolling_samples.h"
 #include "morgagni/stream/internal/session_offer.h"
 #include "morgagni/stream/internal/viewer_hub.h"
 #include "morgagni/stream/testing/browser_offer.h"
@@ -14,19 +13,6 @@ namespace mor::internal {
 namespace {
 
 using ::testing::HasSubstr;
-
-TEST(RollingSamples, ForgetsAllButTheLast60) {
-  RollingSamples samples;
-  EXPECT_EQ(samples.quantile(0.5), 0.0);
-  samples.add(7.0);
-  EXPECT_EQ(samples.quantile(0.5), 7.0);
-  EXPECT_EQ(samples.quantile(0.95), 7.0);
-  for (int i = 1; i <= 1000; ++i) samples.add(i);
-  // 941..1000 are left.
-  EXPECT_EQ(samples.quantile(0.5), 970.0);
-  EXPECT_EQ(samples.quantile(0.95), 997.0);
-  EXPECT_EQ(samples.quantile(1.0), 1000.0);
-}
 
 TEST(GstParts, NamesTheDebianPackageOfAMissingPlugIn) {
   ASSERT_TRUE(check_gstreamer());

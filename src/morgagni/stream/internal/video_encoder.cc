@@ -250,9 +250,9 @@ void VideoEncoder::add_to(LiveServerStats& stats) const {
   const std::lock_guard lock(mutex_);
   stats.num_encoded = num_encoded_;
   stats.num_dropped = num_dropped_;
-  stats.encode_ms = encode_ms_.quantile(0.5);
-  stats.capture_to_encoded_ms = capture_to_encoded_ms_.quantile(0.5);
-  stats.capture_to_encoded_p95_ms = capture_to_encoded_ms_.quantile(0.95);
+  stats.encode_ms = encode_ms_.median();
+  stats.capture_to_encoded_ms = capture_to_encoded_ms_.median();
+  stats.capture_to_encoded_p95_ms = capture_to_encoded_ms_.p95();
 }
 
 }  // namespace mor::internal

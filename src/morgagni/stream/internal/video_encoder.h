@@ -14,8 +14,8 @@
 
 #include "morgagni/core/image.h"
 #include "morgagni/core/result.h"
+#include "morgagni/core/statistics.h"
 #include "morgagni/stream/internal/glib_handles.h"
-#include "morgagni/stream/internal/rolling_samples.h"
 #include "morgagni/stream/live_server.h"
 
 namespace mor::internal {
@@ -68,6 +68,8 @@ class VideoEncoder {
   void on_encoded(GstBuffer* buffer);
   [[nodiscard]] GstClockTime next_stamp();
 
+  static constexpr std::size_t kTimedPictures = 60;
+
   Sink sink_;
   GstHandle<GstElement> pipeline_;
   GstHandle<GstElement> source_;
@@ -80,8 +82,8 @@ class VideoEncoder {
   bool stopping_ = false;
   std::uint64_t num_encoded_ = 0;
   std::uint64_t num_dropped_ = 0;
-  RollingSamples encode_ms_;
-  RollingSamples capture_to_encoded_ms_;
+  RollingWindow encode_ms_{kTimedPictures};
+  RollingWindow capture_to_encoded_ms_{kTimedPictures};
 
   // Of the encoder's thread alone.
   Picture current_;

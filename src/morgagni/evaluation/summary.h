@@ -15,10 +15,6 @@ struct Summary {
   double max = 0.0;
 };
 
-/// The value below which `fraction` of the sample lies, interpolated between neighbours: 0.5 is the
-/// median. 0 for an empty sample. @param fraction  [0, 1].
-[[nodiscard]] double quantile(std::vector<double> values, double fraction);
-
 [[nodiscard]] Summary summarize(const std::vector<double>& values);
 
 }  // namespace mor

@@ -1,26 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/evaluation/statistics.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "morgagni/evaluation/summary.h"
+
 namespace mor {
 namespace {
-
-TEST(Quantile, InterpolatesBetweenNeighbours) {
-  EXPECT_DOUBLE_EQ(quantile({3.0, 1.0, 2.0}, 0.5), 2.0);
-  EXPECT_DOUBLE_EQ(quantile({4.0, 1.0, 2.0, 3.0}, 0.5), 2.5);
-  EXPECT_DOUBLE_EQ(quantile({0.0, 10.0}, 0.95), 9.5);
-  EXPECT_DOUBLE_EQ(quantile({5.0, 7.0}, 0.0), 5.0);
-  EXPECT_DOUBLE_EQ(quantile({5.0, 7.0}, 1.0), 7.0);
-}
-
-TEST(Quantile, TakesOneValueAndNone) {
-  EXPECT_DOUBLE_EQ(quantile({8.0}, 0.95), 8.0);
-  EXPECT_DOUBLE_EQ(quantile({}, 0.5), 0.0);
-}
 
 TEST(Summarize, AgreesWithNumbersWorkedOutByHand) {
   const Summary summary = summarize({2.0, 4.0, 4.0, 4.0, 5.0, 5.0, 7.0, 9.0});

@@ -1,21 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/evaluation/statistics.h"
+#include "morgagni/evaluation/summary.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-namespace mor {
+#include "morgagni/core/statistics.h"
 
-double quantile(std::vector<double> values, double fraction) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  const double position = fraction * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<std::size_t>(position);
-  const std::size_t above = std::min(below + 1, values.size() - 1);
-  return std::lerp(values[below], values[above], position - static_cast<double>(below));
-}
+namespace mor {
 
 Summary summarize(const std::vector<double>& values) {
   if (values.empty()) return {};

@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# SPDX-FileCopyrightText: 2026 The Morgagni authors
+# SPDX-License-Identifier: BSD-3-Clause
+
+# What a user meets at the command line: exit codes (1: it failed, 2: wrong usage) and one sentence.
+# Usage: command_line_test.sh MORGAGNI
+set -u
+morgagni=$1
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+failures=0
+
+# expect CODE TEXT ARGUMENTS...: the program ends with CODE and prints TEXT.
+expect() {
+  local code=$1 text=$2 output
+  shift 2
+  output=$("$morgagni" "$@" 2>&1 </dev/null)
+  local got=$?
+  if [ "$got" != "$code" ] || ! grep -qF -- "$text" <<<"$output"; then
+    echo "FAILED: morgagni $*"
+    echo "  expected exit $code and \"$text\", got exit $got and:"
+    sed 's/^/  | /' <<<"$output"
+    failures=$((failures + 1))
+  fi
+}
+
+expect 0 "Example, from a CT to a live picture" --help
+expect 0 "Not a medical device" --help
+expect 0 "morgagni 0." --version
+for command in prepare serve record evaluate; do
+  expect 0 "morgagni $command" "$command" --help
+done
+expect 2 "subcommand is required"
+expect 2 "--case" prepare ct.nii
+expect 2 "--nonsense" serve --case "$scratch" --nonsense
+expect 2 "--frames" record --case "$scratch" --out "$scratch/r" --frames 0
+
+expect 1 "nowhere.nii" prepare "$scratch/nowhere.nii" --case "$scratch/case"
+expect 1 "num_vertices" prepare "$scratch/nowhere.nii" --case "$scratch/case" --vertices 3
+mkdir "$scratch/pictures" && touch "$scratch/pictures/holiday.jpg"
+expect 1 "is no case" prepare "$scratch/nowhere.nii" --case "$scratch/pictures"
+expect 1 "is no prepared case" serve --case "$scratch/pictures"
+expect 1 "no such case folder" serve --case "$scratch/missing"
+expect 1 "--method must be field, icp or trimmed-icp" serve --case "$scratch/missing" --method magic
+expect 1 "--start-side must be" serve --case "$scratch/missing" --start-side top
+expect 1 "no such case folder" evaluate "$scratch" --case "$scratch/missing" --truth t --targets t
+expect 1 "no such case folder" record --case "$scratch/missing" --out "$scratch/r"
+[ ! -e "$scratch/case" ] || { echo "FAILED: a refused preparation left its folder"; failures=$((failures + 1)); }
+
+if [ "$failures" != 0 ]; then exit 1; fi
+echo "the command line answers as it should"
