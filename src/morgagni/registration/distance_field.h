@@ -16,6 +16,12 @@
 
 namespace mor {
 
+/// The surface seen from a point: signed distance in mm and the unit normal of the surface nearest.
+struct FieldSample {
+  float distance_mm = 0.0F;
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+};
+
 /// One node of a field: how far the surface is and where it faces. 8 bytes, one memory access.
 struct FieldNode {
   static constexpr float kUnitsPerMm = 256.0F;
@@ -26,12 +32,17 @@ struct FieldNode {
   std::array<std::int16_t, 3> normal{};  ///< Of the surface at the node's closest point.
 
   bool operator==(const FieldNode&) const = default;
-};
 
-/// The surface seen from a point: signed distance in mm and the unit normal of the surface nearest.
-struct FieldSample {
-  float distance_mm = 0.0F;
-  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+  /// The surface seen from a point `offset_mm` away from the node.
+  [[nodiscard]] FieldSample extended_by(const Eigen::Vector3f& offset_mm) const {
+    FieldSample sample;
+    sample.normal = (1.0F / kUnitsPerNormal) * Eigen::Vector3f(static_cast<float>(normal[0]),
+                                                               static_cast<float>(normal[1]),
+                                                               static_cast<float>(normal[2]));
+    sample.distance_mm =
+        (1.0F / kUnitsPerMm) * static_cast<float>(distance) + sample.normal.dot(offset_mm);
+    return sample;
+  }
 };
 
 /// A grid of nodes in a band around a surface, kept in bricks of 8x8x8 nodes; bricks that the band

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -19,11 +20,18 @@
 namespace mor::internal {
 namespace {
 
+/// Which of the points a stage uses.
+enum class Share : std::uint8_t {
+  kFew,   ///< Spread over all.
+  kRuns,  ///< Runs of neighbours, for the look at rows.
+  kAll,
+};
+
 /// One step of the annealing: a kernel, the field and the points it is used with.
 struct Stage {
   PairingRule rule;
-  bool fine = false;        ///< The field's level.
-  bool all_points = false;  ///< Or the few.
+  bool fine = false;  ///< The field's level.
+  Share points = Share::kFew;
   int max_iterations = 1;
   double stop_step_mm = 0.1;  ///< Stop when a step moves the points by less.
 };
@@ -31,17 +39,20 @@ struct Stage {
 /// The few points of the early stages: about so many, and no fewer than every kMaxStride-th.
 constexpr std::size_t kFewPoints = 800;
 constexpr std::size_t kMaxStride = 8;
+/// Runs of so many neighbours, about kRunPoints points in all.
+constexpr std::size_t kRunLength = 24;
+constexpr std::size_t kRunPoints = 3000;
 
 /// Above the skin the kernel is half as wide as below: what lies above may be clutter, what seems
 /// to lie below is an error of the pose. Without this a towel on a head pulls it up.
 constexpr std::array<Stage, 7> kStages = {{
-    {{25.0F, 50.0F, 0.5F}, false, false, 5, 2.0},
-    {{12.5F, 25.0F, 0.5F}, false, false, 5, 1.0},
-    {{6.0F, 12.0F, 0.5F}, false, false, 5, 0.5},
-    {{6.0F, 12.0F, 0.5F}, true, false, 3, 0.5},
-    {{3.0F, 6.0F, 0.7F}, true, false, 5, 0.1},
-    {{4.0F, 6.0F, 0.7F}, true, true, 2, 0.1},
-    {{6.0F, 6.0F, 0.7F, 3.0F}, true, true, 6, 0.02},
+    {{25.0F, 50.0F, 0.5F}, false, Share::kFew, 5, 2.0},
+    {{12.5F, 25.0F, 0.5F}, false, Share::kFew, 5, 1.0},
+    {{6.0F, 12.0F, 0.5F}, false, Share::kFew, 5, 0.5},
+    {{6.0F, 12.0F, 0.5F}, true, Share::kFew, 3, 0.5},
+    {{3.0F, 6.0F, 0.7F}, true, Share::kFew, 5, 0.1},
+    {{6.0F, 6.0F, 0.7F, 3.0F}, true, Share::kRuns, 6, 0.05},
+    {{6.0F, 6.0F, 0.7F, 3.0F}, true, Share::kAll, 2, 0.05},
 }};
 /// A tracked start enters the stages here.
 constexpr std::size_t kTrackedEntry = 2;
@@ -81,6 +92,10 @@ class Alignment {
         pose_(init) {
     stride_ = std::clamp<std::size_t>(all_.size() / kFewPoints, 1, kMaxStride);
     for (std::size_t i = 0; i < all_.size(); i += stride_) few_.push_back(all_[i]);
+    run_stride_ = std::max<std::size_t>(1, all_.size() / kRunPoints);
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+      if (i / kRunLength % run_stride_ == 0) runs_.push_back(all_[i]);
+    }
     for (const auto& point : few_) center_ += point.point.cast<double>();
     if (!few_.empty()) center_ /= static_cast<double>(few_.size());
     double sum_sq_mm2 = 0.0;
@@ -96,6 +111,8 @@ class Alignment {
   [[nodiscard]] int num_iterations() const { return num_iterations_; }
 
  private:
+  /// The points and how many readings each stands for.
+  [[nodiscard]] std::pair<std::span<const SensorPoint>, std::size_t> points_of(Share share) const;
   [[nodiscard]] double step(const NormalEquations& equations, double stride);
   [[nodiscard]] Vector6d prior_information() const;
   [[nodiscard]] bool is_degenerate() const;
@@ -103,12 +120,15 @@ class Alignment {
   const DistanceField& field_;
   std::vector<SensorPoint> all_;
   std::vector<SensorPoint> few_;
-  std::size_t stride_ = 1;  ///< Of the few among all.
+  std::vector<SensorPoint> runs_;
+  std::size_t stride_ = 1;      ///< Of the few among all.
+  std::size_t run_stride_ = 1;  ///< Of the runs.
   Eigen::Isometry3d init_;
   StartPrior prior_;
   Eigen::Isometry3d pose_;
   Eigen::Vector3d center_ = Eigen::Vector3d::Zero();  ///< Of the moving points.
   double radius_mm_ = 1.0;                            ///< Root mean square distance from it.
+  Linearizer linearizer_;
   NormalEquations last_;
   double last_stride_ = 1.0;
   bool converged_ = false;
@@ -142,17 +162,28 @@ double Alignment::step(const NormalEquations& equations, double stride) {
   return std::hypot(twist.tail<3>().norm(), twist.head<3>().norm() * radius_mm_);
 }
 
+std::pair<std::span<const SensorPoint>, std::size_t> Alignment::points_of(Share share) const {
+  switch (share) {
+    case Share::kFew:
+      return {few_, stride_};
+    case Share::kRuns:
+      return {runs_, run_stride_};
+    case Share::kAll:
+      break;
+  }
+  return {all_, 1};
+}
+
 bool Alignment::run(const Stage& stage, int max_iterations) {
-  const auto& points = stage.all_points ? all_ : few_;
+  const auto [points, stride] = points_of(stage.points);
   const FieldLevel& level = stage.fine ? field_.fine() : field_.coarse();
-  const double stride = stage.all_points ? 1.0 : static_cast<double>(stride_);
   converged_ = false;
   for (int i = 0; i < stage.max_iterations && num_iterations_ < max_iterations; ++i) {
-    last_ = linearize(level, points, pose_, pose_ * center_, stage.rule);
-    last_stride_ = stride;
+    last_ = linearizer_.linearize(level, points, pose_, pose_ * center_, stage.rule);
+    last_stride_ = static_cast<double>(stride);
     if (last_.num_pairs * last_stride_ < kMinPairs) return false;
     ++num_iterations_;
-    converged_ = step(last_, stride) < stage.stop_step_mm;
+    converged_ = step(last_, last_stride_) < stage.stop_step_mm;
     if (converged_) break;
   }
   return true;

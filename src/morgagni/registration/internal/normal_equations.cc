@@ -3,7 +3,7 @@
 #include "morgagni/registration/internal/normal_equations.h"
 
 #include <algorithm>
-#include <vector>
+#include <array>
 
 namespace mor::internal {
 namespace {
@@ -57,16 +57,11 @@ class BlockSums {
   int num_pairs_ = 0;
 };
 
-/// A moving point in the CT with what the field says there.
-struct Pair {
-  Eigen::Vector3f p;
-  FieldSample sample;
-  float weight = 0.0F;  ///< 0: not a pair.
-};
-
 /// Neighbours on either side whose distances are averaged, and how far apart they may be.
 constexpr std::size_t kRowReach = 3;
 constexpr float kRowReachMm = 30.0F;
+/// Points whose nodes are asked of memory together, ahead of their use.
+constexpr std::size_t kPrefetch = 32;
 
 float tukey_weight(float distance_mm, float per_scale) {
   const float ratio = distance_mm * per_scale;
@@ -74,75 +69,76 @@ float tukey_weight(float distance_mm, float per_scale) {
   return rest * rest;
 }
 
-/// The mean distance of point `i` and its neighbours.
-float row_distance_mm(std::span<const SensorPoint> points,
-                      std::span<const float> distances_mm,
-                      std::size_t i) {
-  const std::size_t end = std::min(points.size(), i + kRowReach + 1);
-  float sum = 0.0F;
-  float count = 0.0F;
-  for (std::size_t j = i - std::min(i, kRowReach); j < end; ++j) {
-    const float near =
-        (points[j].point - points[i].point).squaredNorm() < kRowReachMm * kRowReachMm ? 1.0F : 0.0F;
-    sum += near * distances_mm[j];
-    count += near;
-  }
-  return sum / count;
-}
-
 }  // namespace
 
-NormalEquations linearize(const FieldLevel& level,
-                          std::span<const SensorPoint> points,
-                          const Eigen::Isometry3d& fixed_from_moving,
-                          const Eigen::Vector3d& pivot,
-                          const PairingRule& rule) {
-  const Eigen::Matrix3f rotation = fixed_from_moving.linear().cast<float>();
-  const Eigen::Vector3f camera = fixed_from_moving.translation().cast<float>();
-  const Eigen::Vector3f pivot_f = pivot.cast<float>();
+void Linearizer::find_pairs(const FieldLevel& level,
+                            std::span<const SensorPoint> points,
+                            const Eigen::Isometry3f& fixed_from_moving,
+                            const PairingRule& rule) {
+  const Eigen::Matrix3f rotation = fixed_from_moving.linear();
+  const Eigen::Vector3f camera = fixed_from_moving.translation();
   const float per_above = 1.0F / rule.above_scale_mm;
   const float per_below = 1.0F / rule.below_scale_mm;
-  const bool by_rows = rule.row_scale_mm > 0.0F;
-  std::vector<Pair> pairs;
-  std::vector<float> distances_mm(by_rows ? points.size() : 0, rule.above_scale_mm);
-  BlockSums sums;
-  const auto pair_up = [&](const SensorPoint& moving, Pair& pair, float* row_distance) {
-    const Eigen::Vector3f ray = rotation * moving.point;
-    pair.p = ray + camera;
-    pair.weight = 0.0F;
-    if (!DistanceField::look_up(level, pair.p, pair.sample)) return;
-    const float distance_mm = pair.sample.distance_mm;
-    if (row_distance != nullptr) {
-      *row_distance = std::clamp(distance_mm, -rule.below_scale_mm, rule.above_scale_mm);
+  pairs_.resize(points.size());
+  distances_mm_.resize(points.size());
+  std::array<const FieldNode*, kPrefetch> nodes{};
+  std::array<Eigen::Vector3f, kPrefetch> offsets_mm;
+  for (std::size_t first = 0; first < points.size(); first += kPrefetch) {
+    const std::size_t count = std::min(kPrefetch, points.size() - first);
+    for (std::size_t k = 0; k < count; ++k) {
+      Pair& pair = pairs_[first + k];
+      pair.p = rotation * points[first + k].point + camera;
+      nodes[k] = level.nearest_node(pair.p, offsets_mm[k]);
+      __builtin_prefetch(nodes[k]);
     }
-    // The camera sees only what faces it: not the far side of a hand or head.
-    if (pair.sample.normal.dot(ray) >= 0.0F ||
-        pair.sample.normal.dot(rotation * moving.normal) < rule.min_normal_cosine) {
-      return;
+    for (std::size_t k = 0; k < count; ++k) {
+      const SensorPoint& moving = points[first + k];
+      Pair& pair = pairs_[first + k];
+      pair.weight = 0.0F;
+      distances_mm_[first + k] = rule.above_scale_mm;
+      if (nodes[k] == nullptr || nodes[k]->distance == FieldNode::kNoSurface) continue;
+      pair.sample = nodes[k]->extended_by(offsets_mm[k]);
+      const float distance_mm = pair.sample.distance_mm;
+      distances_mm_[first + k] = std::clamp(distance_mm, -rule.below_scale_mm, rule.above_scale_mm);
+      // The camera sees only what faces it: not the far side of a hand or head.
+      const bool compatible =
+          pair.sample.normal.dot(pair.p - camera) < 0.0F &&
+          pair.sample.normal.dot(rotation * moving.normal) >= rule.min_normal_cosine;
+      if (!compatible) continue;
+      pair.weight =
+          moving.weight * tukey_weight(distance_mm, distance_mm > 0.0F ? per_above : per_below);
     }
-    pair.weight =
-        moving.weight * tukey_weight(distance_mm, distance_mm > 0.0F ? per_above : per_below);
-  };
-  const auto add = [&](const Pair& pair, float weight) {
-    if (weight > 0.0F) {
-      sums.add(pair.p - pivot_f, pair.sample.normal, pair.sample.distance_mm, weight);
-    }
-  };
-  if (!by_rows) {
-    Pair pair;
-    for (const SensorPoint& moving : points) {
-      pair_up(moving, pair, nullptr);
-      add(pair, pair.weight);
-    }
-    return sums.finish();
   }
-  pairs.resize(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) pair_up(points[i], pairs[i], &distances_mm[i]);
+}
+
+void Linearizer::weigh_by_rows(std::span<const SensorPoint> points, float scale_mm) {
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (pairs[i].weight <= 0.0F) continue;
-    add(pairs[i],
-        pairs[i].weight *
-            tukey_weight(row_distance_mm(points, distances_mm, i), 1.0F / rule.row_scale_mm));
+    if (pairs_[i].weight <= 0.0F) continue;
+    const std::size_t end = std::min(points.size(), i + kRowReach + 1);
+    float sum = 0.0F;
+    float count = 0.0F;
+    for (std::size_t j = i - std::min(i, kRowReach); j < end; ++j) {
+      const float apart_sq_mm2 = (points[j].point - points[i].point).squaredNorm();
+      const float near = apart_sq_mm2 < kRowReachMm * kRowReachMm ? 1.0F : 0.0F;
+      sum += near * distances_mm_[j];
+      count += near;
+    }
+    pairs_[i].weight *= tukey_weight(sum / count, 1.0F / scale_mm);
+  }
+}
+
+NormalEquations Linearizer::linearize(const FieldLevel& level,
+                                      std::span<const SensorPoint> points,
+                                      const Eigen::Isometry3d& fixed_from_moving,
+                                      const Eigen::Vector3d& pivot,
+                                      const PairingRule& rule) {
+  find_pairs(level, points, fixed_from_moving.cast<float>(), rule);
+  if (rule.row_scale_mm > 0.0F) weigh_by_rows(points, rule.row_scale_mm);
+  const Eigen::Vector3f pivot_f = pivot.cast<float>();
+  BlockSums sums;
+  for (const Pair& pair : pairs_) {
+    if (pair.weight <= 0.0F) continue;
+    sums.add(pair.p - pivot_f, pair.sample.normal, pair.sample.distance_mm, pair.weight);
   }
   return sums.finish();
 }

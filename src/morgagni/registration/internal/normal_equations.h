@@ -38,11 +38,33 @@ struct NormalEquations {
   int num_pairs = 0;
 };
 
-/// @param points  In the picture's order where the rule looks at rows.
-[[nodiscard]] NormalEquations linearize(const FieldLevel& level,
-                                        std::span<const SensorPoint> points,
-                                        const Eigen::Isometry3d& fixed_from_moving,
-                                        const Eigen::Vector3d& pivot,
-                                        const PairingRule& rule);
+/// Pairs points with the field; keeps its buffers between calls, so one thread at a time.
+class Linearizer {
+ public:
+  /// @param points  In the picture's order where the rule looks at rows.
+  /// @param pivot  Of the rotation, frame ct.
+  [[nodiscard]] NormalEquations linearize(const FieldLevel& level,
+                                          std::span<const SensorPoint> points,
+                                          const Eigen::Isometry3d& fixed_from_moving,
+                                          const Eigen::Vector3d& pivot,
+                                          const PairingRule& rule);
+
+ private:
+  /// A moving point in the CT with what the field says there.
+  struct Pair {
+    Eigen::Vector3f p;
+    FieldSample sample;
+    float weight = 0.0F;  ///< 0: not a pair.
+  };
+
+  void find_pairs(const FieldLevel& level,
+                  std::span<const SensorPoint> points,
+                  const Eigen::Isometry3f& fixed_from_moving,
+                  const PairingRule& rule);
+  void weigh_by_rows(std::span<const SensorPoint> points, float scale_mm);
+
+  std::vector<Pair> pairs_;
+  std::vector<float> distances_mm_;  ///< Of each point, cut to the rule's scales.
+};
 
 }  // namespace mor::internal
