@@ -151,7 +151,7 @@ void BodySurfaceExtractor::Impl::add_vertices(std::size_t count, PointCloud& clo
       if (mask[i] == 0) continue;
       vertex_of_pixel[i] = static_cast<std::uint32_t>(cloud.points.size());
       cloud.points.emplace_back(grid.x[i], grid.y[i], grid.z[i]);
-      cloud.normals.push_back(normals.at(x, y, ray_x[i], ray_y[i]));
+      cloud.normals.push_back(normals.at(x, y));
     }
   }
 }

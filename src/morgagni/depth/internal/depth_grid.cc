@@ -3,6 +3,7 @@
 #include "morgagni/depth/internal/depth_grid.h"
 
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 namespace mor::internal {
@@ -86,14 +87,14 @@ void RegionGrower::unite(std::uint32_t a, std::uint32_t b) {
 
 void RegionGrower::label_runs(const DepthGrid& grid, const std::vector<std::uint8_t>& edges) {
   run_of_pixel_.resize(grid.size());
-  parent_.clear();
-  bool continues = false;
+  std::uint32_t run = 0;
   for (std::size_t i = 0; i < grid.size(); ++i) {
+    run_of_pixel_[i] = run;
     // The last pixel of a row has no edge to the right, so runs end with their row.
-    if (!continues) parent_.push_back(static_cast<std::uint32_t>(parent_.size()));
-    run_of_pixel_[i] = static_cast<std::uint32_t>(parent_.size() - 1);
-    continues = (edges[i] & kRight) != 0;
+    run += (edges[i] & kRight) == 0 ? 1 : 0;
   }
+  parent_.resize(run);
+  std::iota(parent_.begin(), parent_.end(), 0U);
 }
 
 void RegionGrower::join_rows(const DepthGrid& grid, const std::vector<std::uint8_t>& edges) {
@@ -110,6 +111,7 @@ void RegionGrower::join_rows(const DepthGrid& grid, const std::vector<std::uint8
   };
   for (std::size_t i = 0; i + width < grid.size(); ++i) {
     const std::uint8_t bits = edges[i];
+    if ((bits & (kDown | kDownRight | kDownLeft)) == 0) continue;
     if ((bits & kDown) != 0) join(i, i + width);
     if ((bits & kDownRight) != 0) join(i, i + width + 1);
     if ((bits & kDownLeft) != 0) join(i, i + width - 1);

@@ -15,6 +15,8 @@ namespace {
 /// noise has fallen to some 3 degrees.
 constexpr double kHalfWindowPx = 5.0;
 constexpr int kMinRadius = 2;
+/// Finer grids than this are fitted in cells of 2x2 pixels.
+constexpr double kCellsBelowFactor = 1.75;
 /// Fewer pixels than this fix no plane worth having.
 constexpr int kMinPlanePixels = 6;
 
@@ -29,75 +31,109 @@ void add_scaled(float* __restrict target,
 }  // namespace
 
 GridNormals::GridNormals(const PinholeCamera& camera, double factor, int width, int height)
-    : width_(width),
-      height_(height),
-      radius_(std::max(kMinRadius, static_cast<int>(std::lround(kHalfWindowPx / factor)))) {
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const Eigen::Vector2d pixel(x * factor, y * factor);
-      const Eigen::Vector2d half_x(factor / 2.0, 0.0);
-      const Eigen::Vector2d half_y(0.0, factor / 2.0);
+    : grid_width_(width),
+      grid_height_(height),
+      cell_shift_(factor < kCellsBelowFactor ? 1 : 0),
+      width_((width + cell_shift_) >> cell_shift_),
+      height_((height + cell_shift_) >> cell_shift_) {
+  const double cell_px = factor * (1 << cell_shift_);
+  radius_ = std::max(kMinRadius, static_cast<int>(std::lround(kHalfWindowPx / cell_px)));
+  const double center_px = 0.5 * (cell_px - factor);
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      const Eigen::Vector2d pixel(x * cell_px + center_px, y * cell_px + center_px);
+      const Eigen::Vector2d half_x(cell_px / 2.0, 0.0);
+      const Eigen::Vector2d half_y(0.0, cell_px / 2.0);
       const double ray_step_x = (camera.ray(pixel + half_x) - camera.ray(pixel - half_x)).x();
       const double ray_step_y = (camera.ray(pixel + half_y) - camera.ray(pixel - half_y)).y();
+      const Eigen::Vector2d ray = camera.ray(pixel);
+      ray_x_.push_back(static_cast<float>(ray.x()));
+      ray_y_.push_back(static_cast<float>(ray.y()));
       steps_per_ray_x_.push_back(static_cast<float>(1.0 / ray_step_x));
       steps_per_ray_y_.push_back(static_cast<float>(1.0 / ray_step_y));
     }
   }
+  const std::size_t count = ray_x_.size();
+  for (auto* values : {&inside_, &inverse_, &row_count_, &row_sum_, &row_moment_}) {
+    values->resize(count);
+  }
+  normals_.resize(count);
 }
 
 void GridNormals::fit(const std::vector<float>& z_mm, const std::vector<std::uint8_t>& mask) {
-  inside_.resize(z_mm.size());
-  inverse_.resize(z_mm.size());
-  for (std::size_t i = 0; i < z_mm.size(); ++i) {
-    inside_[i] = mask[i] != 0 ? 1.0F : 0.0F;
-    inverse_[i] = mask[i] != 0 ? 1.0F / z_mm[i] : 0.0F;
+  fill_cells(z_mm, mask);
+  const int first = std::max(0, first_row_ - radius_);
+  const int end = std::min(height_, end_row_ + radius_);
+  for (int y = first; y < end; ++y) sum_row(y);
+  for (int y = first_row_; y < end_row_; ++y) {
+    sum_columns(y);
+    const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
+    for (int x = 0; x < width_; ++x) {
+      const std::size_t i = row + static_cast<std::size_t>(x);
+      if (inside_[i] != 0.0F) normals_[i] = normal(x, y);
+    }
   }
-  sum_rows();
-  sum_columns();
+}
+
+void GridNormals::fill_cells(const std::vector<float>& z_mm,
+                             const std::vector<std::uint8_t>& mask) {
+  std::fill(inside_.begin(), inside_.end(), 0.0F);
+  std::fill(inverse_.begin(), inverse_.end(), 0.0F);
+  std::size_t pixel = 0;
+  for (int y = 0; y < grid_height_; ++y) {
+    const std::size_t row =
+        static_cast<std::size_t>(y >> cell_shift_) * static_cast<std::size_t>(width_);
+    for (int x = 0; x < grid_width_; ++x, ++pixel) {
+      if (mask[pixel] == 0) continue;
+      const std::size_t cell = row + static_cast<std::size_t>(x >> cell_shift_);
+      inside_[cell] += 1.0F;
+      inverse_[cell] += 1.0F / z_mm[pixel];
+    }
+  }
+  first_row_ = height_;
+  end_row_ = 0;
+  for (int y = 0; y < height_; ++y) {
+    const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
+    float row_count = 0.0F;
+    for (std::size_t i = row; i < row + static_cast<std::size_t>(width_); ++i) {
+      row_count += inside_[i];
+      inverse_[i] /= std::max(1.0F, inside_[i]);
+      inside_[i] = std::min(1.0F, inside_[i]);
+    }
+    if (row_count == 0.0F) continue;
+    first_row_ = std::min(first_row_, y);
+    end_row_ = y + 1;
+  }
 }
 
 // Windows are cut off at the picture's border, which makes them partial ones: their count is low.
-void GridNormals::sum_rows() {
-  row_count_.assign(inside_.size(), 0.0F);
-  row_sum_.assign(inside_.size(), 0.0F);
-  row_moment_.assign(inside_.size(), 0.0F);
-  for (int y = 0; y < height_; ++y) {
-    const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
-    for (int k = -radius_; k <= radius_; ++k) {
-      if (std::abs(k) >= width_) continue;
-      const auto count = static_cast<std::size_t>(width_ - std::abs(k));
-      const std::size_t target = row + static_cast<std::size_t>(std::max(0, -k));
-      const std::size_t source = row + static_cast<std::size_t>(std::max(0, k));
-      add_scaled(row_count_.data() + target, inside_.data() + source, 1.0F, count);
-      add_scaled(row_sum_.data() + target, inverse_.data() + source, 1.0F, count);
-      add_scaled(
-          row_moment_.data() + target, inverse_.data() + source, static_cast<float>(k), count);
-    }
+void GridNormals::sum_row(int y) {
+  const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
+  for (auto* sums : {&row_count_, &row_sum_, &row_moment_}) {
+    std::fill_n(sums->begin() + static_cast<std::ptrdiff_t>(row), width_, 0.0F);
+  }
+  for (int k = -radius_; k <= radius_; ++k) {
+    if (std::abs(k) >= width_) continue;
+    const auto count = static_cast<std::size_t>(width_ - std::abs(k));
+    const std::size_t target = row + static_cast<std::size_t>(std::max(0, -k));
+    const std::size_t source = row + static_cast<std::size_t>(std::max(0, k));
+    add_scaled(row_count_.data() + target, inside_.data() + source, 1.0F, count);
+    add_scaled(row_sum_.data() + target, inverse_.data() + source, 1.0F, count);
+    add_scaled(row_moment_.data() + target, inverse_.data() + source, static_cast<float>(k), count);
   }
 }
 
-void GridNormals::sum_columns() {
-  for (auto* sums : {&count_, &sum_, &moment_x_, &moment_y_}) sums->assign(inside_.size(), 0.0F);
+void GridNormals::sum_columns(int y) {
   const auto width = static_cast<std::size_t>(width_);
-  for (int y = 0; y < height_; ++y) {
-    const std::size_t target = static_cast<std::size_t>(y) * width;
-    for (int l = -radius_; l <= radius_; ++l) {
-      if (y + l < 0 || y + l >= height_) continue;
-      const std::size_t source = static_cast<std::size_t>(y + l) * width;
-      add_scaled(count_.data() + target, row_count_.data() + source, 1.0F, width);
-      add_scaled(sum_.data() + target, row_sum_.data() + source, 1.0F, width);
-      add_scaled(moment_x_.data() + target, row_moment_.data() + source, 1.0F, width);
-      add_scaled(moment_y_.data() + target, row_sum_.data() + source, static_cast<float>(l), width);
-    }
+  for (auto* sums : {&count_, &sum_, &moment_x_, &moment_y_}) sums->assign(width, 0.0F);
+  for (int l = -radius_; l <= radius_; ++l) {
+    if (y + l < 0 || y + l >= height_) continue;
+    const std::size_t source = static_cast<std::size_t>(y + l) * width;
+    add_scaled(count_.data(), row_count_.data() + source, 1.0F, width);
+    add_scaled(sum_.data(), row_sum_.data() + source, 1.0F, width);
+    add_scaled(moment_x_.data(), row_moment_.data() + source, 1.0F, width);
+    add_scaled(moment_y_.data(), row_sum_.data() + source, static_cast<float>(l), width);
   }
-}
-
-GridNormals::Plane GridNormals::full_window_plane(std::size_t i) const {
-  const auto side = static_cast<float>(2 * radius_ + 1);
-  // The sum of k^2 over the window; that of k l and those of k and l vanish.
-  const float spread =
-      side * static_cast<float>(radius_ * (radius_ + 1) * (2 * radius_ + 1)) / 3.0F;
-  return {sum_[i] / (side * side), moment_x_[i] / spread, moment_y_[i] / spread};
 }
 
 GridNormals::Plane GridNormals::partial_window_plane(int x, int y) const {
@@ -124,19 +160,27 @@ GridNormals::Plane GridNormals::partial_window_plane(int x, int y) const {
   return {plane[0], plane[1], plane[2]};
 }
 
-Eigen::Vector3f GridNormals::at(int x, int y, float ray_x, float ray_y) const {
-  const std::size_t i =
-      static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
-  const int side = 2 * radius_ + 1;
-  const bool full = count_[i] == static_cast<float>(side * side);
-  const Plane plane = full ? full_window_plane(i) : partial_window_plane(x, y);
+Eigen::Vector3f GridNormals::normal(int x, int y) const {
+  const auto column = static_cast<std::size_t>(x);
+  const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + column;
+  const auto side = static_cast<float>(2 * radius_ + 1);
+  const bool full = count_[column] == side * side;
+  Plane plane;
+  if (full) {
+    // The sum of k^2 over a full window; that of k l and those of k and l vanish.
+    const float spread =
+        side * static_cast<float>(radius_ * (radius_ + 1) * (2 * radius_ + 1)) / 3.0F;
+    plane = {sum_[column] / (side * side), moment_x_[column] / spread, moment_y_[column] / spread};
+  } else {
+    plane = partial_window_plane(x, y);
+  }
   if (plane.slope_x == 0.0F && plane.slope_y == 0.0F && !full) {
-    return -Eigen::Vector3f(ray_x, ray_y, 1.0F).normalized();
+    return -Eigen::Vector3f(ray_x_[i], ray_y_[i], 1.0F).normalized();
   }
   // On the plane n . p = d holds q = 1/z = (n / d) . (x/z, y/z, 1): the coefficients are n / d.
   const float a = plane.slope_x * steps_per_ray_x_[i];
   const float b = plane.slope_y * steps_per_ray_y_[i];
-  return -Eigen::Vector3f(a, b, plane.mean - a * ray_x - b * ray_y).normalized();
+  return -Eigen::Vector3f(a, b, plane.mean - a * ray_x_[i] - b * ray_y_[i]).normalized();
 }
 
 }  // namespace mor::internal
