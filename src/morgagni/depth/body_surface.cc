@@ -156,16 +156,11 @@ void BodySurfaceExtractor::Impl::add_vertices(std::size_t count, PointCloud& clo
   }
 }
 
-/// Compares the diagonals of the cell whose upper left corner is `a`, where both exist.
+/// Compares the diagonals of the cell whose upper left corner is `a`, where both exist. They are as
+/// long across the picture, so their depths tell.
 bool BodySurfaceExtractor::Impl::ad_is_shorter(std::size_t a) const {
   const auto width = static_cast<std::size_t>(grid.width);
-  const auto length_sq = [this](std::size_t p, std::size_t q) {
-    const float dx = grid.x[p] - grid.x[q];
-    const float dy = grid.y[p] - grid.y[q];
-    const float dz = grid.z[p] - grid.z[q];
-    return dx * dx + dy * dy + dz * dz;
-  };
-  return length_sq(a, a + width + 1) <= length_sq(a + 1, a + width);
+  return std::abs(grid.z[a] - grid.z[a + width + 1]) <= std::abs(grid.z[a + 1] - grid.z[a + width]);
 }
 
 void BodySurfaceExtractor::Impl::add_triangles(std::size_t num_vertices,

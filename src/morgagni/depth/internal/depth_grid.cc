@@ -9,6 +9,8 @@
 namespace mor::internal {
 namespace {
 
+constexpr std::uint32_t kNoRun = std::numeric_limits<std::uint32_t>::max();
+
 /// Sets `bit` in `edges[i]` where points `i` and `i + step` are near each other, for `count` pixels
 /// from `first` on. A comparison with NaN is false, so pixels without reading have no edges.
 void connect_row(const DepthGrid& grid,
@@ -99,8 +101,8 @@ void RegionGrower::label_runs(const DepthGrid& grid, const std::vector<std::uint
 
 void RegionGrower::join_rows(const DepthGrid& grid, const std::vector<std::uint8_t>& edges) {
   const auto width = static_cast<std::size_t>(grid.width);
-  std::uint32_t last_above = 0;
-  std::uint32_t last_below = 0;
+  std::uint32_t last_above = kNoRun;
+  std::uint32_t last_below = kNoRun;
   const auto join = [&](std::size_t above, std::size_t below) {
     const std::uint32_t a = run_of_pixel_[above];
     const std::uint32_t b = run_of_pixel_[below];
@@ -112,6 +114,12 @@ void RegionGrower::join_rows(const DepthGrid& grid, const std::vector<std::uint8
   for (std::size_t i = 0; i + width < grid.size(); ++i) {
     const std::uint8_t bits = edges[i];
     if ((bits & (kDown | kDownRight | kDownLeft)) == 0) continue;
+    // Inside a body nearly every pixel joins the two runs that the pixel before has joined.
+    if (run_of_pixel_[i] == last_above && run_of_pixel_[i + width - 1] == last_below &&
+        run_of_pixel_[i + width] == last_below &&
+        (i + width + 1 == grid.size() || run_of_pixel_[i + width + 1] == last_below)) {
+      continue;
+    }
     if ((bits & kDown) != 0) join(i, i + width);
     if ((bits & kDownRight) != 0) join(i, i + width + 1);
     if ((bits & kDownLeft) != 0) join(i, i + width - 1);
