@@ -13,6 +13,7 @@
 
 #include "morgagni/core/files.h"
 #include "morgagni/core/statistics.h"
+#include "morgagni/evaluation/summary.h"
 
 namespace mor {
 namespace {
