@@ -17,7 +17,7 @@ namespace {
 constexpr float kCoarseSpacingMm = 6.0F;
 constexpr float kCoarseBandMm = 90.0F;
 constexpr float kFineSpacingMm = 2.0F;
-constexpr float kFineBandMm = 15.0F;
+constexpr float kFineBandMm = 12.0F;
 /// Very large bodies get a wider spacing, so that building stays below 200 MB.
 constexpr double kMaxGridNodes = 16e6;
 constexpr float kMaxBodySideMm = 4000.0F;

@@ -110,7 +110,7 @@ class DistanceField {
 
   /// 6 mm nodes up to 90 mm from the surface: brings a rough start near.
   [[nodiscard]] const FieldLevel& coarse() const { return coarse_; }
-  /// 2 mm nodes (larger for very large bodies) up to 15 mm from the surface.
+  /// 2 mm nodes (larger for very large bodies) up to 12 mm from the surface.
   [[nodiscard]] const FieldLevel& fine() const { return fine_; }
 
   /// Looks up `p`: false where the level does not know the surface. @cost One memory access.
