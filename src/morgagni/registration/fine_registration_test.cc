@@ -126,16 +126,18 @@ TEST_P(EveryMethod, RefusesAStartThatIsNoRigidMotion) {
   EXPECT_FALSE(make(GetParam())->align({}, start, StartQuality::kRough));
 }
 
-TEST_P(EveryMethod, DoesNotCallAStartTwoMetersOffConverged) {
+TEST_P(EveryMethod, RefusesToPairAStartTwoMetersOffAndKeepsIt) {
   const Eigen::Isometry3d truth = internal::camera_before_body();
   const PointCloud moving = internal::seen_by_camera(body()->mesh, truth);
-  Eigen::Isometry3d start = truth;
-  start.translation() += Eigen::Vector3d(2000.0, 0.0, 0.0);
-  const auto result = make_fine_registration(body(), {.method = GetParam(), .max_iterations = 1})
-                          .value()
-                          ->align(moving, start, StartQuality::kRough);
-  ASSERT_TRUE(result);
-  EXPECT_NE(result->status, RegistrationStatus::kConverged);
+  for (const auto quality : {StartQuality::kRough, StartQuality::kTracked}) {
+    Eigen::Isometry3d start = truth;
+    start.translation() += Eigen::Vector3d(2000.0, 0.0, 0.0);
+    const auto result = make(GetParam())->align(moving, start, quality);
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->status, RegistrationStatus::kTooFewPairs);
+    EXPECT_TRUE(result->fixed_from_moving.isApprox(start, 1e-12));
+    EXPECT_EQ(result->explained_fraction, 0.0);
+  }
 }
 
 std::string method_name(const testing::TestParamInfo<RegistrationMethod>& method) {

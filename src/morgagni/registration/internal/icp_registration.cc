@@ -15,9 +15,9 @@ namespace {
 
 constexpr std::size_t kMinPairs = 3;
 constexpr float kExplainedMm = 5.0F;
-/// When the mean pair is farther apart than this, the two surfaces have nothing to do with each
-/// other, and a residual that has stopped to fall is no convergence.
-constexpr double kMaxRmsMm = 100.0;
+/// Where no moving point is nearer to the fixed surface than this, the start has nothing to do with
+/// it: ICP would still slide somewhere and call it an end.
+constexpr float kMaxStartDistanceMm = 500.0F;
 
 struct Pair {
   std::uint32_t moving = 0;
@@ -70,6 +70,12 @@ double explained_fraction(std::span<const Pair> pairs) {
   return static_cast<double>(count) / static_cast<double>(pairs.size());
 }
 
+bool any_near(std::span<const Pair> pairs) {
+  return std::any_of(pairs.begin(), pairs.end(), [](const Pair& pair) {
+    return pair.distance_sq_mm2 < kMaxStartDistanceMm * kMaxStartDistanceMm;
+  });
+}
+
 /// Besl & McKay 1992, section III.C: the motion from the moving points to their nearest fixed ones.
 Eigen::Isometry3d fit_pairs(std::span<const Pair> pairs,
                             const PointCloud& moving,
@@ -110,6 +116,10 @@ Result<RegistrationResult> IcpRegistration::align(const PointCloud& moving,
   double last_rms_mm = std::numeric_limits<double>::infinity();
   while (result.num_iterations < options_.max_iterations) {
     auto pairs = find_pairs(tree_, moving, result.fixed_from_moving);
+    if (result.num_iterations == 0 && !any_near(pairs)) {
+      result.status = RegistrationStatus::kTooFewPairs;
+      break;
+    }
     result.explained_fraction = explained_fraction(pairs);
     if (options_.method == RegistrationMethod::kTrimmedIcp) trim(pairs, options_.overlap);
     result.rms_distance_mm = rms_mm(pairs);
@@ -123,7 +133,6 @@ Result<RegistrationResult> IcpRegistration::align(const PointCloud& moving,
     result.fixed_from_moving = fit_pairs(pairs, moving, fixed_->mesh.vertices);
     ++result.num_iterations;
   }
-  if (result.rms_distance_mm > kMaxRmsMm) result.status = RegistrationStatus::kMaxIterations;
   return result;
 }
 
