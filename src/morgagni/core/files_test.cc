@@ -19,12 +19,13 @@ TEST(Files, WriteReplacesTheOldFileWhole) {
 }
 
 TEST(Files, AFailedWriteLeavesNothingBehind) {
-  const fs::path folder = fs::path(testing::TempDir()) / "a_folder_in_the_way";
+  const fs::path place = fs::path(testing::TempDir()) / "failed_write";
+  const fs::path folder = place / "a_folder_in_the_way";
   fs::create_directories(folder / "inside");
   const auto written = write_file(folder, "text");
   ASSERT_FALSE(written);
   EXPECT_THAT(written.error().message, HasSubstr("a_folder_in_the_way"));
-  for (const auto& entry : fs::directory_iterator(testing::TempDir())) {
+  for (const auto& entry : fs::directory_iterator(place)) {
     EXPECT_NE(entry.path().extension(), ".part") << entry.path();
   }
 }

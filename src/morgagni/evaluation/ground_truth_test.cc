@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "morgagni/core/files.h"
-#include "morgagni/registration/internal/test_body.h"
+#include "morgagni/registration/testing/test_body.h"
 
 namespace mor {
 namespace {

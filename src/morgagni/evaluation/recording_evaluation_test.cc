@@ -15,7 +15,7 @@
 #include "morgagni/core/image_png.h"
 #include "morgagni/geometry/depth_raster.h"
 #include "morgagni/geometry/rigid.h"
-#include "morgagni/registration/internal/test_body.h"
+#include "morgagni/registration/testing/test_body.h"
 
 namespace mor {
 namespace {

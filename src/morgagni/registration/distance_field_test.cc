@@ -12,7 +12,7 @@
 
 #include "morgagni/core/files.h"
 #include "morgagni/registration/internal/closest_point.h"
-#include "morgagni/registration/internal/test_body.h"
+#include "morgagni/registration/testing/test_body.h"
 
 namespace mor {
 namespace {

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "morgagni/geometry/rigid.h"
-#include "morgagni/registration/internal/test_body.h"
+#include "morgagni/registration/testing/test_body.h"
 
 namespace mor {
 namespace {

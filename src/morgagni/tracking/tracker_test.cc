@@ -15,7 +15,7 @@ using std::chrono::milliseconds;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr PinholeCamera kCamera{160, 120, 130.0, 130.0, 79.5, 59.5, {}};
+constexpr PinholeCamera kCamera{320, 240, 260.0, 260.0, 159.5, 119.5, {}};
 
 /// Answers with the residuals it was told, and keeps the poses it was started from. The state
 /// machine is under test here, not the registration.
@@ -71,7 +71,7 @@ class TrackerTest : public testing::Test {
   std::shared_ptr<const RgbdFrame> frame(milliseconds at, std::uint16_t depth_mm = 600) {
     auto frame = std::make_shared<RgbdFrame>();
     frame->captured_at = std::chrono::steady_clock::time_point(std::chrono::hours(1)) + at;
-    frame->depth_mm = Image<std::uint16_t>(160, 120, depth_mm);
+    frame->depth_mm = Image<std::uint16_t>(320, 240, depth_mm);
     return frame;
   }
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/registration/internal/test_body.h"
+#include "morgagni/registration/testing/test_body.h"
 
 #include <cmath>
 #include <numbers>
