@@ -212,8 +212,10 @@ Result<std::shared_ptr<const RgbdFrame>> SimulatedCamera::next_frame(std::stop_t
   const bool has_ended =
       impl_->options.num_frames > 0 && impl_->next_id >= impl_->options.num_frames;
   if (stop.stop_requested() || has_ended) return nullptr;
-  if (impl_->options.is_real_time && !internal::wait_until(due, stop)) return nullptr;
+  // Drawn ahead and handed over when it is due, as a sensor does: its age is not the simulation's
+  // time.
   auto frame = draw(impl_->next_id++);
+  if (impl_->options.is_real_time && !internal::wait_until(due, stop)) return nullptr;
   frame->captured_at = due;
   return frame;
 }

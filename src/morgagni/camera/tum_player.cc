@@ -27,10 +27,11 @@ class TumPlayer : public RangeCamera {
       if (!started_at_) started_at_ = due;
       while (has_frame(next_ + 1) && due_at(next_ + 1) <= due) ++next_;
       due = due_at(next_);
-      if (!internal::wait_until(due, stop)) return nullptr;
     }
+    // Read ahead and handed over when it is due: reading pictures is no part of their age.
     const auto index = next_++ % recording_.size();
     MOR_TRY(const auto read, recording_.read(index));
+    if (options_.is_real_time && !internal::wait_until(due, stop)) return nullptr;
     auto frame = std::make_shared<RgbdFrame>(*read);
     frame->captured_at = due;
     return frame;
