@@ -38,7 +38,9 @@ build_program() {
 build_page() {
   if [ ! -e web/node_modules/.package-lock.json ] || [ web/package-lock.json -nt web/node_modules/.package-lock.json ]; then
     say "Installing the page's packages from npm"
-    (cd web && npm ci --no-audit --no-fund)
+    # Not `npm ci`: some versions of npm leave other platforms' optional packages out of the lock file and
+    # then refuse it. Versions still come from the lock file, which stays as it is.
+    (cd web && npm install --no-save --no-audit --no-fund)
   fi
   if [ ! -e "$BUILD/web/index.html" ] || [ -n "$(find web -path web/node_modules -prune -o -type f -newer "$BUILD/web/index.html" -print -quit)" ]; then
     say "Building the page"
