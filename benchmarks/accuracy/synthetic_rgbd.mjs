@@ -39,7 +39,7 @@ function evaluate(recording, folder, method, extra) {
   const source = path.join(data, 'synthetic_rgbd', recording);
   const report = path.join(WORK, `${recording}-${method}${extra.length ? '-starts' : '-tracked'}.json`);
   execFileSync(PROGRAM, [
-    'evaluate', source, '--case', folder, '--truth', path.join(source, 'groundtruth.txt'),
+    'evaluate', 'recording', source, '--case', folder, '--truth', path.join(source, 'groundtruth.txt'),
     '--targets', path.join(source, 'targets.csv'), '--method', method, '--json', report, ...extra,
   ], { stdio: ['ignore', 'ignore', 'inherit'] });
   return JSON.parse(readFileSync(report, 'utf8'));

@@ -12,6 +12,7 @@
 #include "morgagni/core/result.h"
 #include "morgagni/geometry/point_cloud.h"
 #include "morgagni/registration/fixed_surface.h"
+#include "morgagni/registration/pose_information.h"
 
 namespace mor {
 
@@ -47,6 +48,7 @@ struct RegistrationResult {
       0.0;  ///< Share of the moving points within 5 mm of the fixed surface, 0..1.
   int num_pairs = 0;
   int num_iterations = 0;  ///< Steps done.
+  std::optional<PoseInformation> information;  ///< Of methods that have one: kField.
 };
 
 struct RegistrationOptions {

@@ -207,6 +207,11 @@ RegistrationResult Alignment::finish(const PointCloud& moving) const {
   result.num_pairs = last_.num_pairs;
   if (last_.sum_weights > 0.0) {
     result.rms_distance_mm = std::sqrt(last_.sum_weighted_sq / last_.sum_weights);
+    result.information = PoseInformation{
+        .matrix = last_stride_ * last_.information,
+        .pivot_mm = pose_ * center_,
+        .residual_scale = std::sqrt(last_.sum_weighted_sq / static_cast<double>(last_.num_pairs)),
+        .num_pairs = last_.num_pairs};
   }
   const Eigen::Isometry3f pose = pose_.cast<float>();
   FieldSample sample;

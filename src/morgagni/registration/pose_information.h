@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+namespace mor {
+
+/// What the data say of a pose: the quadratic form of a registration's weighted squared distances
+/// about it. Its inverse is the pose's covariance as far as the noise model is right and the
+/// readings independent.
+struct PoseInformation {
+  /// Of (rotation about the pivot in rad, shift in mm), frame fixed: sum w J^T J, w in 1/mm^2 from
+  /// the sensor's noise model and the robust kernel.
+  Eigen::Matrix<double, 6, 6> matrix = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Vector3d pivot_mm = Eigen::Vector3d::Zero();  ///< Frame fixed.
+  /// Root mean square of the distances over their expected standard deviations: 1 where the noise
+  /// model explains the residual.
+  double residual_scale = 0.0;
+  int num_pairs = 0;
+};
+
+}  // namespace mor
