@@ -93,6 +93,10 @@ void add_evaluate_recording_command(CLI::App& evaluate_app) {
       ->capture_default_str();
   command->add_option("--start-error-deg", options.start_error_deg, "Its largest rotation")
       ->capture_default_str();
+  command->add_flag_callback(
+      "--tracked",
+      [arguments] { arguments->options.start_quality = StartQuality::kTracked; },
+      "The perturbed starts are as near as a tracked frame's last pose");
   command->add_option("--seed", options.seed, "Of the perturbed starts")->capture_default_str();
   command
       ->add_option(

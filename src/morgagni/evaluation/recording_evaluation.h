@@ -29,6 +29,7 @@ struct EvaluationOptions {
   int num_starts = 0;
   double start_error_mm = 30.0;   ///< Shift of a perturbed start: uniform up to this. >= 0.
   double start_error_deg = 20.0;  ///< Its rotation about the surface's centroid. [0, 180].
+  StartQuality start_quality = StartQuality::kRough;  ///< What a perturbed start is called.
   std::uint64_t seed = 1;
   double success_mm = 10.0;  ///< A run with a smaller TRE is a success. > 0.
 
@@ -38,9 +39,11 @@ struct EvaluationOptions {
 /// One registration.
 struct EvaluationRun {
   std::size_t frame = 0;
-  double tre_mm = 0.0;  ///< Root mean square over the targets, as the paper has it.
+  std::size_t num_points = 0;  ///< Of the moving surface.
+  double tre_mm = 0.0;         ///< Root mean square over the targets, as the paper has it.
   double rms_distance_mm = 0.0;
-  double registration_ms = 0.0;  ///< Of align() alone.
+  double registration_ms = 0.0;      ///< Of align() alone.
+  double registration_cpu_ms = 0.0;  ///< Of the calling thread in it: what a busy machine leaves.
   RegistrationStatus status = RegistrationStatus::kMaxIterations;
 };
 
@@ -53,7 +56,8 @@ struct EvaluationReport {
   Summary tre_mm;             ///< Over all runs.
   Summary tre_success_mm;     ///< Over the successes.
   Summary registration_ms;
-  Summary depth_ms;  ///< Depth image to body surface, a frame.
+  Summary registration_cpu_ms;
+  Summary depth_ms;  ///< Depth image to body surface, a run.
   double median_points = 0.0;
   std::vector<EvaluationRun> runs;
 };
@@ -73,7 +77,8 @@ struct EvaluationReport {
                                                   const std::vector<Target>& targets);
 
 /// Registers every frame of a recording that has a truth (nearest time stamp, at most 20 ms off)
-/// and measures the error at the targets. Truth and targets are in the frame of `fixed`.
+/// and measures the error at the targets. The depth picture is segmented from where the start, not
+/// the truth, expects the body, as live. Truth and targets are in the frame of `fixed`.
 /// @errors kInvalidArgument: bad options, no targets, no frame with a truth, a frame without any
 ///         surface in range; whatever the recording's reader reports.
 [[nodiscard]] Result<EvaluationReport> evaluate_recording(
@@ -85,7 +90,7 @@ struct EvaluationReport {
     const Progress& progress);
 
 /// {"method","frames","starts","success_rate","tre_mm":{mean,sd,median,p95,max},"tre_success_mm",
-/// "registration_ms":{median,p95},"points"}.
+/// "registration_ms":{median,p95},"registration_cpu_ms":{median,p95},"points"}.
 [[nodiscard]] std::string to_json(const EvaluationReport& report);
 
 /// The same as a table to read, with the depth stage's time.

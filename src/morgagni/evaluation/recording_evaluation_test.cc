@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/evaluation/recording_evaluation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -23,6 +24,7 @@ namespace {
 using testing::HasSubstr;
 
 constexpr int kNumFrames = 4;
+constexpr int kIslandPx = 30;
 
 /// A recording of the bumpy body, made once: the camera moves a few millimetres a frame.
 class EvaluateRecording : public testing::Test {
@@ -53,6 +55,8 @@ class EvaluateRecording : public testing::Test {
       for (int y = 0; y < depth.height(); ++y) {
         for (int x = 0; x < depth.width(); ++x) {
           depth(x, y) = static_cast<std::uint16_t>(std::lround(raster.depth_mm(x, y)));
+          // Something else in the picture, apart from the body.
+          if (x < kIslandPx && y < kIslandPx) depth(x, y) = 400;
         }
       }
       const Image<Rgb8> color(camera.width_px, camera.height_px);
@@ -109,6 +113,17 @@ TEST_F(EvaluateRecording, ComesBackFromPerturbedStartsTheSameTwice) {
   EXPECT_DOUBLE_EQ(first->success_rate, 1.0);
 }
 
+TEST_F(EvaluateRecording, SegmentsThePictureWhereTheStartAndNotTheTruthExpectsTheBody) {
+  const auto num_small = [](double start_error_mm) {
+    const auto report = *evaluate({.num_starts = 40, .start_error_mm = start_error_mm});
+    return std::count_if(report.runs.begin(), report.runs.end(), [](const EvaluationRun& run) {
+      return run.num_points < 200;
+    });
+  };
+  EXPECT_EQ(num_small(10.0), 0);
+  EXPECT_GT(num_small(900.0), 0);
+}
+
 TEST_F(EvaluateRecording, MeasuresTheStartWhereTheMethodMayNotMove) {
   // One step of ICP from 200 mm away ends far from the truth: success must not be reported.
   const auto report =
@@ -136,6 +151,7 @@ TEST_F(EvaluateRecording, WritesTheJsonThatScriptsRead) {
   }
   EXPECT_TRUE(json.at("registration_ms").at("median").is_number());
   EXPECT_TRUE(json.at("registration_ms").at("p95").is_number());
+  EXPECT_GT(json.at("registration_cpu_ms").at("median"), 0.0);
   EXPECT_GT(json.at("points"), 0.0);
   EXPECT_THAT(to_table(*report), HasSubstr("TRE, mm"));
 }
