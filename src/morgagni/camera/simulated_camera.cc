@@ -11,6 +11,7 @@
 #include "morgagni/camera/internal/key_values.h"
 #include "morgagni/camera/internal/kinect_noise.h"
 #include "morgagni/camera/internal/scene.h"
+#include "morgagni/camera/internal/view_places.h"
 #include "morgagni/camera/internal/wait_until.h"
 
 namespace mor {
@@ -36,7 +37,7 @@ Result<void> set(const KeyValue& pair, SimulatedCameraOptions& options) {
   } else if (pair.key == "distance") {
     MOR_TRY(options.distance_mm, internal::parse_number(pair, 400.0, 1500.0));
   } else if (pair.key == "path") {
-    MOR_TRY(const auto choice, internal::parse_choice(pair, {"orbit", "sway", "still"}));
+    MOR_TRY(const auto choice, internal::parse_choice(pair, {"orbit", "sway", "still", "views"}));
     options.path = static_cast<SimulatedPath>(choice);
   } else if (pair.key == "noise") {
     MOR_TRY(const auto choice, internal::parse_choice(pair, {"0", "1"}));
@@ -139,6 +140,7 @@ struct SimulatedCamera::Impl {
              chosen.distance_mm.value_or(fitting_distance_mm(skin->bounds(), camera)),
              chosen.path,
              chosen.seed),
+        views(skin, chosen.distance_mm, chosen.seed),
         scene(std::move(skin), camera, chosen.seed),
         noise(camera.focal_x_px, chosen.seed) {}
 
@@ -151,6 +153,7 @@ struct SimulatedCamera::Impl {
   PinholeCamera camera;
   std::shared_ptr<const RgbdCalibration> calibration;
   internal::HandPath path;
+  internal::ViewPlaces views;
   internal::Scene scene;
   internal::KinectNoise noise;
   std::uint64_t next_id = 0;
@@ -176,6 +179,7 @@ const RgbdCalibration& SimulatedCamera::calibration() const {
 }
 
 Eigen::Isometry3d SimulatedCamera::ct_from_camera(std::uint64_t frame_id) const {
+  if (impl_->options.path == SimulatedPath::kViews) return impl_->views.ct_from_camera(frame_id);
   return impl_->path.ct_from_camera(static_cast<double>(frame_id) / impl_->options.frames_per_s);
 }
 

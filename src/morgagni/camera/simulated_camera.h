@@ -17,6 +17,7 @@ enum class SimulatedPath : std::uint8_t {
   kOrbit,  ///< A hand that looks at the body from several sides.
   kSway,   ///< A hand that tries to hold still.
   kStill,  ///< A tripod.
+  kViews,  ///< No path: each frame from a random place of its own (internal/view_places.h).
 };
 
 /// What `simulated:key=value,...` sets; the keys stand in brackets.
@@ -27,8 +28,9 @@ struct SimulatedCameraOptions {
   double frames_per_s = 30.0;  ///< [fps] 1..120.
   std::optional<double> distance_mm =
       std::nullopt;  ///< [distance] To the body's foremost point at the start,
-                     ///< 400..1500; by default far enough for the body to fit.
-  SimulatedPath path = SimulatedPath::kOrbit;  ///< [path] orbit | sway | still.
+                     ///< 400..1500; by default far enough for the body to fit. With path=views
+                     ///< to the skin looked at, by default 500..1200 at random.
+  SimulatedPath path = SimulatedPath::kOrbit;  ///< [path] orbit | sway | still | views.
   bool has_noise = true;         ///< [noise] 0 | 1: Kinect v1 depth noise and grain in colour.
   std::uint64_t num_frames = 0;  ///< [frames] The camera ends after so many; 0: never.
   bool is_real_time = true;      ///< [speed] real | full: paced by the clock, or as fast as asked.

@@ -75,7 +75,7 @@ TEST(SimulatedCameraOptions, NameTheBadKeyOrValueAndWhatIsAllowed) {
   EXPECT_THAT(error_of("fps=nan"), HasSubstr("fps must be in"));
   EXPECT_THAT(error_of("fps=0"), HasSubstr("fps must be in"));
   EXPECT_THAT(error_of("distance=60 cm"), HasSubstr("distance must be in"));
-  EXPECT_THAT(error_of("path=spiral"), HasSubstr("one of orbit, sway, still, got 'spiral'"));
+  EXPECT_THAT(error_of("path=spiral"), HasSubstr("one of orbit, sway, still, views, got 'spiral'"));
   EXPECT_THAT(error_of("noise=yes"), HasSubstr("noise must be one of 0, 1"));
   EXPECT_THAT(error_of("speed=fast"), HasSubstr("real, full"));
 }
@@ -116,6 +116,25 @@ TEST(SimulatedCamera, SeesTheSkinWhereTheTruthPutsIt) {
 TEST(SimulatedCamera, StandsStillWhereAskedTo) {
   const auto camera = open({.path = SimulatedPath::kStill});
   EXPECT_TRUE(camera->ct_from_camera(0).isApprox(camera->ct_from_camera(999), 0.0));
+}
+
+TEST(SimulatedCamera, LooksFromAnotherPlaceInEveryFrameOfViews) {
+  const auto camera = open({.path = SimulatedPath::kViews, .has_noise = false});
+  const auto first = camera->ct_from_camera(0);
+  const auto second = camera->ct_from_camera(1);
+  EXPECT_GT((first.translation() - second.translation()).norm(), 50.0);
+  const auto seen = camera->frame_at(1);
+  int num_on_skin = 0;
+  for (int y = 0; y < 480; y += 2) {
+    for (int x = 0; x < 640; x += 2) {
+      const double z_mm = seen->depth_mm(x, y);
+      const Eigen::Vector2d ray = camera->calibration().depth.ray({x, y});
+      const Eigen::Vector3d p = second * Eigen::Vector3d(ray.x() * z_mm, ray.y() * z_mm, z_mm);
+      const double off_mm = (p - Eigen::Vector3d(40.0, -120.0, 75.0)).norm() - 80.0;
+      num_on_skin += z_mm > 0.0 && std::abs(off_mm) < 1.0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(num_on_skin, 600);
 }
 
 TEST(SimulatedCamera, GivesTheSameFrameInWhateverOrderItIsAsked) {

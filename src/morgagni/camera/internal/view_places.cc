@@ -1,0 +1,118 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/camera/internal/view_places.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "morgagni/camera/internal/random.h"
+
+namespace mor::internal {
+namespace {
+
+using Eigen::Vector3d;
+using Eigen::Vector3f;
+
+constexpr double kTurnRad = 2.0 * std::numbers::pi;
+constexpr double kAimRad = 4.0 * std::numbers::pi / 180.0;
+/// Rays are sent through a box of this share of the body's, about its middle.
+constexpr double kMiddleShare = 0.5;
+/// A place seen at a flatter angle than this is none that a user would look at.
+constexpr double kLeastFacing = 0.2;
+constexpr int kMaxTries = 200;
+
+/// One frame's draws, in order.
+class Draws {
+ public:
+  explicit Draws(std::uint64_t counter) : counter_(counter) {}
+  /// Even over [least, most).
+  double operator()(double least, double most) {
+    return least + (most - least) * to_unit(scramble(counter_++));
+  }
+
+ private:
+  std::uint64_t counter_;
+};
+
+/// Even over the sphere's cap above the least elevation; up is -y.
+Vector3d draw_direction(Draws& draw) {
+  const double up = draw(std::sin(ViewPlaces::kLeastElevationRad), 1.0);
+  const double azimuth_rad = draw(0.0, kTurnRad);
+  const double level = std::sqrt(1.0 - up * up);
+  return {level * std::cos(azimuth_rad), -up, level * std::sin(azimuth_rad)};
+}
+
+/// A camera at `eye` that looks along `forward`, turned about it by `roll_rad`.
+Eigen::Isometry3d looking(const Vector3d& eye, const Vector3d& forward, double roll_rad) {
+  const Vector3d level = forward.unitOrthogonal();
+  const Vector3d right = std::cos(roll_rad) * level + std::sin(roll_rad) * forward.cross(level);
+  Eigen::Isometry3d ct_from_camera = Eigen::Isometry3d::Identity();
+  ct_from_camera.linear().col(0) = right;
+  ct_from_camera.linear().col(1) = forward.cross(right);
+  ct_from_camera.linear().col(2) = forward;
+  ct_from_camera.translation() = eye;
+  return ct_from_camera;
+}
+
+}  // namespace
+
+ViewPlaces::ViewPlaces(std::shared_ptr<const TriangleMesh> skin,
+                       std::optional<double> distance_mm,
+                       std::uint64_t seed)
+    : skin_(std::move(skin)),
+      distance_mm_(distance_mm),
+      seed_(seed),
+      bounds_(skin_->bounds().cast<double>()) {}
+
+/// Moller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997, for every
+/// triangle.
+std::optional<Vector3d> ViewPlaces::first_hit(const Vector3d& through,
+                                              const Vector3d& to_camera) const {
+  const Vector3f start = (through + bounds_.diagonal().norm() * to_camera).cast<float>();
+  const Vector3f ray = -to_camera.cast<float>();
+  float nearest_mm = std::numeric_limits<float>::infinity();
+  float facing = 0.0F;
+  for (const auto& [ia, ib, ic] : skin_->triangles) {
+    const Vector3f& a = skin_->vertices[ia];
+    const Vector3f to_b = skin_->vertices[ib] - a;
+    const Vector3f to_c = skin_->vertices[ic] - a;
+    const Vector3f across = ray.cross(to_c);
+    const float determinant = to_b.dot(across);
+    if (std::abs(determinant) < 1e-12F) continue;
+    const Vector3f from_a = start - a;
+    const float u = from_a.dot(across) / determinant;
+    if (u < 0.0F || u > 1.0F) continue;
+    const Vector3f normal_side = from_a.cross(to_b);
+    const float v = ray.dot(normal_side) / determinant;
+    if (v < 0.0F || u + v > 1.0F) continue;
+    const float distance_mm = to_c.dot(normal_side) / determinant;
+    if (distance_mm <= 0.0F || distance_mm >= nearest_mm) continue;
+    nearest_mm = distance_mm;
+    facing = -to_b.cross(to_c).normalized().dot(ray);
+  }
+  // The inside of the skin shows where the CT ends: that is no place to look at.
+  if (facing < static_cast<float>(kLeastFacing)) return std::nullopt;
+  return (start + nearest_mm * ray).cast<double>();
+}
+
+Eigen::Isometry3d ViewPlaces::ct_from_camera(std::uint64_t frame_id) const {
+  Draws draw(scramble(scramble(seed_ ^ 0x5649455753ULL) ^ frame_id));
+  const Vector3d half = 0.5 * kMiddleShare * bounds_.sizes();
+  Vector3d to_camera = -Vector3d::UnitY();
+  std::optional<Vector3d> seen;
+  for (int i = 0; i < kMaxTries && !seen; ++i) {
+    to_camera = draw_direction(draw);
+    const Vector3d offset(draw(-1.0, 1.0), draw(-1.0, 1.0), draw(-1.0, 1.0));
+    seen = first_hit(bounds_.center() + half.cwiseProduct(offset), to_camera);
+  }
+  const double distance_mm = distance_mm_.value_or(draw(kNearestMm, kFarthestMm));
+  const Vector3d eye = seen.value_or(bounds_.center()) + distance_mm * to_camera;
+  const auto aimed = looking(eye, -to_camera, draw(0.0, kTurnRad));
+  const double pan_rad = draw(-kAimRad, kAimRad);
+  const double tilt_rad = draw(-kAimRad, kAimRad);
+  return aimed * Eigen::AngleAxisd(pan_rad, Vector3d::UnitY()) *
+         Eigen::AngleAxisd(tilt_rad, Vector3d::UnitX());
+}
+
+}  // namespace mor::internal
