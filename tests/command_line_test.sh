@@ -43,7 +43,7 @@ mkdir "$scratch/pictures" && touch "$scratch/pictures/holiday.jpg"
 expect 1 "is no case" prepare "$scratch/nowhere.nii" --case "$scratch/pictures"
 expect 1 "is no prepared case" serve --case "$scratch/pictures"
 expect 1 "no such case folder" serve --case "$scratch/missing"
-expect 1 "--method must be field, icp or trimmed-icp" serve --case "$scratch/missing" --method magic
+expect 1 "--method must be field, icp, trimmed-icp, anisotropic-icp" serve --case "$scratch/missing" --method magic
 expect 1 "--start-side must be" serve --case "$scratch/missing" --start-side top
 expect 1 "no such case folder" evaluate recording "$scratch" --case "$scratch/missing" --truth t --targets t
 expect 1 "no such case folder" record --case "$scratch/missing" --out "$scratch/r"

@@ -4,7 +4,21 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "exit.h"
+
 namespace mor {
+namespace {
+
+constexpr const char* kMethodNames =
+    "field, icp, trimmed-icp, anisotropic-icp or trimmed-anisotropic-icp";
+
+Result<RegistrationMethod> method_option(const std::string& name) {
+  if (const auto method = parse_registration_method(name)) return *method;
+  return make_error(ErrorCode::kInvalidArgument,
+                    fmt::format("--method must be {}, got \"{}\"", kMethodNames, name));
+}
+
+}  // namespace
 
 void add_depth_options(CLI::App& command, BodySurfaceOptions& options) {
   command.add_option("--near-mm", options.near_mm, "Depth: nearer readings are dropped")
@@ -20,10 +34,22 @@ void add_depth_options(CLI::App& command, BodySurfaceOptions& options) {
       ->capture_default_str();
 }
 
-Result<RegistrationMethod> method_option(const std::string& name) {
-  if (const auto method = parse_registration_method(name)) return *method;
-  return make_error(ErrorCode::kInvalidArgument,
-                    fmt::format("--method must be field, icp or trimmed-icp, got \"{}\"", name));
+void add_registration_options(CLI::App& command, RegistrationOptions& options) {
+  command
+      .add_option_function<std::string>(
+          "--method",
+          [&options](const std::string& name) {
+            options.method = value_or_exit(method_option(name));
+          },
+          fmt::format("Registration: {}", kMethodNames))
+      ->default_str(std::string(to_string(options.method)));
+  command
+      .add_option(
+          "--device",
+          options.device,
+          "Where the icp methods run: cpu, opencl (its first device) or a part of an OpenCL "
+          "device's name; `morgagni doctor` lists them")
+      ->capture_default_str();
 }
 
 Result<BodySide> side_option(const std::string& name) {

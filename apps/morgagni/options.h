@@ -16,8 +16,10 @@ namespace mor {
 /// --near-mm, --far-mm, --max-edge-mm, --down-sampling.
 void add_depth_options(CLI::App& command, BodySurfaceOptions& options);
 
+/// --method, --device. Another word than the known methods ends the program with a sentence.
+void add_registration_options(CLI::App& command, RegistrationOptions& options);
+
 /// @errors kInvalidArgument: another word than the known ones.
-[[nodiscard]] Result<RegistrationMethod> method_option(const std::string& name);
 [[nodiscard]] Result<BodySide> side_option(const std::string& name);
 
 }  // namespace mor

@@ -23,7 +23,6 @@ namespace {
 struct Arguments {
   std::filesystem::path folder;
   std::string camera = "simulated:";
-  std::string method = "field";
   std::string side = "anterior";
   int lost_after_ms = 2000;
   LiveSessionOptions options;
@@ -57,7 +56,6 @@ void block_signals() {
 void serve(Arguments& arguments) {
   auto& options = arguments.options;
   options.camera_name = arguments.camera;
-  options.loop.registration.method = value_or_exit(method_option(arguments.method));
   options.loop.placement.side = value_or_exit(side_option(arguments.side));
   options.loop.tracking.lost_after = std::chrono::milliseconds(arguments.lost_after_ms);
   if (options.server.web_root.empty()) options.server.web_root = default_web_root();
@@ -94,8 +92,7 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--web", server.web_root, "The built page")->type_name("DIR");
   command->add_option("--bitrate-kbps", server.bitrate_kbps, "Of the VP8 stream")
       ->capture_default_str();
-  command->add_option("--method", arguments->method, "field, icp or trimmed-icp")
-      ->capture_default_str();
+  add_registration_options(*command, loop.registration);
   add_depth_options(*command, loop.depth);
   command
       ->add_option("--alpha",

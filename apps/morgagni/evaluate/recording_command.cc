@@ -30,14 +30,12 @@ struct Arguments {
   std::filesystem::path truth;
   std::filesystem::path targets;
   std::filesystem::path json;
-  std::string method = "field";
   TruthFrame truth_frame = TruthFrame::kAuto;
   EvaluationOptions options;
 };
 
-void evaluate(Arguments& arguments) {
-  auto& options = arguments.options;
-  options.registration.method = value_or_exit(method_option(arguments.method));
+void evaluate(const Arguments& arguments) {
+  const auto& options = arguments.options;
   const auto body = value_or_exit(load_case(arguments.folder));
   const auto recording = value_or_exit(TumRecording::open(arguments.recording));
   const auto truth =
@@ -79,8 +77,7 @@ void add_evaluate_recording_command(CLI::App& evaluate_app) {
                    "the CT's volume, or whichever puts the skin targets on the skin")
       ->transform(CLI::CheckedTransformer(kTruthFrames))
       ->default_str("auto");
-  command->add_option("--method", arguments->method, "field, icp or trimmed-icp")
-      ->capture_default_str();
+  add_registration_options(*command, options.registration);
   command->add_option("--json", arguments->json, "Write the report there as well")
       ->type_name("FILE");
   command
@@ -98,13 +95,9 @@ void add_evaluate_recording_command(CLI::App& evaluate_app) {
       [arguments] { arguments->options.start_quality = StartQuality::kTracked; },
       "The perturbed starts are as near as a tracked frame's last pose");
   command->add_option("--seed", options.seed, "Of the perturbed starts")->capture_default_str();
-  command
-      ->add_option(
-          "--max-iterations", options.registration.max_iterations, "Of icp and trimmed-icp")
+  command->add_option("--max-iterations", options.registration.max_iterations, "Of the icp methods")
       ->capture_default_str();
-  command
-      ->add_option(
-          "--overlap", options.registration.overlap, "trimmed-icp: share of the pairs kept")
+  command->add_option("--overlap", options.registration.overlap, "trimmed: share of the pairs kept")
       ->capture_default_str();
   add_depth_options(*command, options.depth);
   command->footer(

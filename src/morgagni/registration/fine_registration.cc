@@ -14,9 +14,11 @@
 namespace mor {
 namespace {
 
-constexpr std::array<std::pair<RegistrationMethod, std::string_view>, 3> kMethodNames = {{
+constexpr std::array<std::pair<RegistrationMethod, std::string_view>, 5> kMethodNames = {{
     {RegistrationMethod::kIcp, "icp"},
     {RegistrationMethod::kTrimmedIcp, "trimmed-icp"},
+    {RegistrationMethod::kAnisotropicIcp, "anisotropic-icp"},
+    {RegistrationMethod::kTrimmedAnisotropicIcp, "trimmed-anisotropic-icp"},
     {RegistrationMethod::kField, "field"},
 }};
 
@@ -61,7 +63,20 @@ Result<std::unique_ptr<FineRegistration>> make_fine_registration(
                       "registration needs a CT skin, but the fixed surface is empty");
   }
   if (options.method != RegistrationMethod::kField) {
+    if (options.device != "cpu" || options.method == RegistrationMethod::kAnisotropicIcp ||
+        options.method == RegistrationMethod::kTrimmedAnisotropicIcp) {
+      return make_error(ErrorCode::kUnsupported,
+                        "OpenCL devices and anisotropic ICP are not in this build yet");
+    }
     return std::make_unique<internal::IcpRegistration>(std::move(fixed), options);
+  }
+  if (options.device != "cpu") {
+    return make_error(
+        ErrorCode::kInvalidArgument,
+        fmt::format(
+            "the method \"field\" runs on the CPU, not on the device \"{}\"; the ICP methods "
+            "run on OpenCL devices",
+            options.device));
   }
   if (fixed->field.empty()) {
     return make_error(ErrorCode::kInvalidArgument,

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include <Eigen/Geometry>
@@ -17,12 +18,15 @@
 namespace mor {
 
 enum class RegistrationMethod : std::uint8_t {
-  kIcp,         ///< Point-to-point ICP, Besl & McKay 1992 with Horn 1987.
-  kTrimmedIcp,  ///< The same over the closest share of the pairs, Chetverikov 2002.
-  kField,       ///< Ours: point-to-plane Gauss-Newton on the skin's distance field.
+  kIcp,                    ///< Point-to-point ICP, Besl & McKay 1992 with Horn 1987.
+  kTrimmedIcp,             ///< The same over the closest share of the pairs, Chetverikov 2002.
+  kAnisotropicIcp,         ///< A-ICP: each point with its own covariance, Maier-Hein 2012.
+  kTrimmedAnisotropicIcp,  ///< The same over the closest share of the pairs.
+  kField,                  ///< Ours: point-to-plane Gauss-Newton on the skin's distance field.
 };
 
-/// "icp", "trimmed-icp", "field". None for another word.
+/// "icp", "trimmed-icp", "anisotropic-icp", "trimmed-anisotropic-icp", "field". None for another
+/// word.
 [[nodiscard]] std::optional<RegistrationMethod> parse_registration_method(std::string_view name);
 [[nodiscard]] std::string_view to_string(RegistrationMethod method);
 
@@ -47,7 +51,7 @@ struct RegistrationResult {
   double explained_fraction =
       0.0;  ///< Share of the moving points within 5 mm of the fixed surface, 0..1.
   int num_pairs = 0;
-  int num_iterations = 0;  ///< Steps done.
+  int num_iterations = 0;                      ///< Steps done.
   std::optional<PoseInformation> information;  ///< Of methods that have one: kField.
 };
 
@@ -57,6 +61,9 @@ struct RegistrationOptions {
   double convergence_threshold =
       1e-5;              ///< ICP: stop when the residual improves by less, relative. The paper's.
   double overlap = 0.9;  ///< Trimmed ICP: share of pairs kept. (0, 1]. The paper's.
+  /// Where the ICP family runs: "cpu", "opencl" (the first OpenCL device), or a part of an OpenCL
+  /// device's name. kField runs on the CPU only.
+  std::string device = "cpu";
 
   [[nodiscard]] Result<void> check() const;
 };
@@ -80,7 +87,8 @@ class FineRegistration {
 };
 
 /// @param fixed  Shared, never changed.
-/// @errors kInvalidArgument: bad options, an empty surface, no field where the method needs one.
+/// @errors kInvalidArgument: bad options, an empty surface, no field where the method needs one, a
+/// device that the method does not run on.
 [[nodiscard]] Result<std::unique_ptr<FineRegistration>> make_fine_registration(
     std::shared_ptr<const FixedSurface> fixed, const RegistrationOptions& options);
 

@@ -146,6 +146,10 @@ std::string method_name(const testing::TestParamInfo<RegistrationMethod>& method
       return "Icp";
     case RegistrationMethod::kTrimmedIcp:
       return "TrimmedIcp";
+    case RegistrationMethod::kAnisotropicIcp:
+      return "AnisotropicIcp";
+    case RegistrationMethod::kTrimmedAnisotropicIcp:
+      return "TrimmedAnisotropicIcp";
     case RegistrationMethod::kField:
       return "Field";
   }
@@ -247,6 +251,7 @@ TEST(MakeFineRegistration, RefusesBadOptionsAndSurfaces) {
   EXPECT_THAT(message(body(), {.convergence_threshold = -1.0}), HasSubstr("got -1"));
   EXPECT_THAT(message(body(), {.overlap = 1.5}), HasSubstr("overlap must be in (0, 1], got 1.5"));
   EXPECT_THAT(message(body(), {.overlap = std::nan("")}), HasSubstr("overlap"));
+  EXPECT_THAT(message(body(), {.device = "opencl"}), HasSubstr("runs on the CPU"));
   EXPECT_THAT(message(nullptr, {}), HasSubstr("CT skin"));
   EXPECT_THAT(message(std::make_shared<FixedSurface>(), {}), HasSubstr("empty"));
   auto without_field = std::make_shared<FixedSurface>();
@@ -256,8 +261,11 @@ TEST(MakeFineRegistration, RefusesBadOptionsAndSurfaces) {
 }
 
 TEST(RegistrationMethod, IsReadByTheNameItPrints) {
-  for (const auto method :
-       {RegistrationMethod::kIcp, RegistrationMethod::kTrimmedIcp, RegistrationMethod::kField}) {
+  for (const auto method : {RegistrationMethod::kIcp,
+                            RegistrationMethod::kTrimmedIcp,
+                            RegistrationMethod::kAnisotropicIcp,
+                            RegistrationMethod::kTrimmedAnisotropicIcp,
+                            RegistrationMethod::kField}) {
     EXPECT_EQ(parse_registration_method(to_string(method)), method);
   }
   EXPECT_FALSE(parse_registration_method("ICP"));
