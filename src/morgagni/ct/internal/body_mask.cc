@@ -66,6 +66,8 @@ BitMask solid_inside(const BitMask& closed_mask,
 /// The solid mask without what only leans on the body.
 BitMask without_what_leans_on(const BitMask& solid, const Eigen::Vector3d& spacing_mm) {
   const BitMask core = largest_part(opened(solid, kOpeningMm, spacing_mm));
+  // A hollow thing of thin walls, open to the air: nothing about it is thicker than a table.
+  if (core.count() == 0) return solid;
   BitMask body = dilated(core, kSkinMm, spacing_mm);
   body &= solid;
   BitMask rest = solid;

@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/registration/automatic_start.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "morgagni/geometry/depth_raster.h"
+#include "morgagni/geometry/rigid.h"
+#include "morgagni/registration/testing/test_body.h"
+
+namespace mor {
+namespace {
+
+using Picture = Image<std::uint16_t>;
+
+const PinholeCamera kCamera{320, 240, 262.0, 262.0, 159.5, 119.5, {}};
+
+/// The bumpy body with a head and a hip of its own: without them its two ends look alike.
+std::shared_ptr<const FixedSurface> lopsided_surface() {
+  auto surface = std::make_shared<FixedSurface>();
+  surface->mesh = internal::bumpy_body(80, Eigen::Vector3f::Zero());
+  for (auto& vertex : surface->mesh.vertices) {
+    const Eigen::Vector3f d = vertex.normalized();
+    const auto near = [&d](const Eigen::Vector3f& at) {
+      return std::exp(-(d - at.normalized()).squaredNorm() / 0.18F);
+    };
+    vertex += 60.0F * near({0.3F, -0.2F, 0.9F}) * Eigen::Vector3f(0.3F, -0.1F, 0.9F) +
+              45.0F * near({-0.9F, -0.2F, -0.4F}) * Eigen::Vector3f(-1.0F, 0.0F, -0.2F) +
+              Eigen::Vector3f(30.0F, -200.0F, 400.0F);
+  }
+  surface->mesh.normals = vertex_normals(surface->mesh);
+  surface->field = *DistanceField::build(surface->mesh);
+  return surface;
+}
+
+/// The body with a table of 1.4 x 1.8 m below, y down.
+TriangleMesh on_table(TriangleMesh body) {
+  const Eigen::AlignedBox3f bounds = body.bounds();
+  const Eigen::Vector3f center = bounds.center();
+  const auto first = static_cast<std::uint32_t>(body.vertices.size());
+  for (const auto& [x, z] :
+       {std::pair{-700.0F, -900.0F}, {700.0F, -900.0F}, {700.0F, 900.0F}, {-700.0F, 900.0F}}) {
+    body.vertices.emplace_back(center.x() + x, bounds.max().y(), center.z() + z);
+  }
+  body.triangles.push_back({first, first + 1, first + 2});
+  body.triangles.push_back({first, first + 2, first + 3});
+  return body;
+}
+
+/// What a camera at `ct_from_depth` measures of `mesh`, with some noise.
+Picture picture_of(const TriangleMesh& mesh, const Eigen::Isometry3d& ct_from_depth) {
+  const DepthRaster raster = rasterize_depth(mesh, kCamera, ct_from_depth.inverse());
+  std::mt19937 random(7);
+  Picture picture(kCamera.width_px, kCamera.height_px, 0);
+  for (std::size_t i = 0; i < picture.size(); ++i) {
+    const float z = raster.depth_mm.data()[i];
+    const float noise_mm = static_cast<float>(random() % 401) / 100.0F - 2.0F;
+    if (z > 0.0F) picture.data()[i] = static_cast<std::uint16_t>(std::lround(z + noise_mm));
+  }
+  return picture;
+}
+
+/// A camera that looks at `target` from above, `tilt_rad` from straight down.
+Eigen::Isometry3d looking_at(const Eigen::Vector3d& target,
+                             double azimuth_rad,
+                             double tilt_rad,
+                             double roll_rad,
+                             double distance_mm) {
+  const Eigen::Vector3d to_camera(std::sin(tilt_rad) * std::cos(azimuth_rad),
+                                  -std::cos(tilt_rad),
+                                  std::sin(tilt_rad) * std::sin(azimuth_rad));
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear().col(2) = -to_camera;
+  pose.linear().col(0) = to_camera.unitOrthogonal();
+  pose.linear().col(1) = pose.linear().col(2).cross(pose.linear().col(0));
+  pose.linear() *= Eigen::AngleAxisd(roll_rad, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  pose.translation() = target + distance_mm * to_camera;
+  return pose;
+}
+
+class AutomaticStartOfTestBody : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { body_ = lopsided_surface(); }
+  static void TearDownTestSuite() { body_.reset(); }
+
+  [[nodiscard]] static AutomaticStart starter(const AutomaticStartOptions& options = {}) {
+    auto start = AutomaticStart::create(body_, kCamera, options);
+    EXPECT_TRUE(start) << start.error().message;
+    return std::move(*start);
+  }
+  [[nodiscard]] static Eigen::Vector3d center() {
+    return body_->mesh.bounds().center().cast<double>();
+  }
+
+  static std::shared_ptr<const FixedSurface> body_;
+};
+
+std::shared_ptr<const FixedSurface> AutomaticStartOfTestBody::body_;
+
+TEST_F(AutomaticStartOfTestBody, IsRightFromManySides) {
+  const auto start = starter();
+  const TriangleMesh scene = on_table(body_->mesh);
+  for (int i = 0; i < 6; ++i) {
+    const auto truth = looking_at(center(), 1.1 * i, 0.2 * i, 2.3 * i, 600.0 + 80.0 * i);
+    const auto result = start.find(picture_of(scene, truth).view());
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_EQ(result->status, AutomaticStartStatus::kFound)
+        << "view " << i << ": " << result->reason;
+    EXPECT_LT(displacement_mm(result->ct_from_depth, truth, truth.inverse() * center()), 3.0)
+        << "view " << i;
+    EXPECT_LT(rotation_angle_rad(result->ct_from_depth * truth.inverse()), 0.05) << "view " << i;
+  }
+}
+
+TEST_F(AutomaticStartOfTestBody, RefusesAnEmptyPicture) {
+  const auto result = starter().find(Picture(kCamera.width_px, kCamera.height_px, 0).view());
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, AutomaticStartStatus::kNotFound);
+  EXPECT_FALSE(result->reason.empty());
+}
+
+TEST_F(AutomaticStartOfTestBody, IsTheSameForAnyNumberOfThreads) {
+  const auto truth = looking_at(center(), 0.7, 0.6, 1.0, 800.0);
+  const Picture picture = picture_of(on_table(body_->mesh), truth);
+  const auto one = starter({.num_threads = 1}).find(picture.view());
+  const auto three = starter({.num_threads = 3}).find(picture.view());
+  ASSERT_TRUE(one && three);
+  EXPECT_EQ(one->ct_from_depth.matrix(), three->ct_from_depth.matrix());
+  EXPECT_EQ(one->score, three->score);
+}
+
+TEST_F(AutomaticStartOfTestBody, StopsWhenAsked) {
+  const auto truth = looking_at(center(), 0.7, 0.6, 1.0, 800.0);
+  std::stop_source source;
+  source.request_stop();
+  const auto result =
+      starter().find(picture_of(on_table(body_->mesh), truth).view(), source.get_token());
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::kCancelled);
+}
+
+TEST_F(AutomaticStartOfTestBody, SaysWhatIsWrongWithItsInput) {
+  const auto other_size = starter().find(Picture(100, 80, 0).view());
+  ASSERT_FALSE(other_size);
+  EXPECT_THAT(other_size.error().message, testing::HasSubstr("320 x 240"));
+
+  const auto refusal = [](const std::shared_ptr<const FixedSurface>& surface,
+                          const AutomaticStartOptions& options) {
+    const auto start = AutomaticStart::create(surface, kCamera, options);
+    return start ? std::string() : start.error().message;
+  };
+  auto without_field = std::make_shared<FixedSurface>();
+  without_field->mesh = body_->mesh;
+  EXPECT_THAT(refusal(without_field, {}), testing::HasSubstr("prepare the case"));
+  EXPECT_THAT(refusal(nullptr, {}), testing::HasSubstr("prepare the case"));
+  const Eigen::Vector3d nan = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_THAT(refusal(body_, {.gravity = nan}), testing::HasSubstr("gravity"));
+  EXPECT_THAT(refusal(body_, {.lying_on = {}}), testing::HasSubstr("lying_on"));
+  EXPECT_THAT(refusal(body_, {.max_distance_mm = 10.0}), testing::HasSubstr("max_distance_mm"));
+  EXPECT_THAT(refusal(body_, {.num_threads = 0}), testing::HasSubstr("num_threads"));
+}
+
+}  // namespace
+}  // namespace mor

@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "morgagni/core/image.h"
+#include "morgagni/geometry/pinhole_camera.h"
+
+namespace mor::internal {
+
+/// A depth picture made small and free of lens distortion, as the automatic start looks at it.
+struct StartPicture {
+  PinholeCamera camera;  ///< Without distortion.
+  Image<float> z_mm;     ///< 0: no reading.
+
+  [[nodiscard]] Eigen::Vector3f point(int x, int y) const {
+    const float z = z_mm(x, y);
+    return {z * (static_cast<float>(x) - static_cast<float>(camera.center_x_px)) /
+                static_cast<float>(camera.focal_x_px),
+            z * (static_cast<float>(y) - static_cast<float>(camera.center_y_px)) /
+                static_cast<float>(camera.focal_y_px),
+            z};
+  }
+
+  /// The unit normal, towards the camera, of the plane through the readings within `radius_mm` on
+  /// the picture. None where they are few.
+  [[nodiscard]] std::optional<Eigen::Vector3f> normal(int x, int y, float radius_mm) const;
+};
+
+/// Makes such pictures; what depends on the camera alone is computed once.
+class StartPictureMaker {
+ public:
+  explicit StartPictureMaker(const PinholeCamera& depth_camera);
+
+  [[nodiscard]] const PinholeCamera& camera() const { return small_camera_; }
+
+  /// Readings beyond `max_mm` are dropped. @param depth_mm  Of the depth camera's size.
+  [[nodiscard]] StartPicture make(ImageView<const std::uint16_t> depth_mm, float max_mm) const;
+
+ private:
+  /// The block of source pixels that a small pixel looks at; its upper left corner, -1: none.
+  struct Block {
+    int x = -1;
+    int y = -1;
+  };
+
+  PinholeCamera small_camera_;
+  int side_ = 1;  ///< Of a block.
+  std::vector<Block> blocks_;
+};
+
+}  // namespace mor::internal

@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/registration/internal/start_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include <tbb/parallel_for.h>
+
+#include "morgagni/core/image.h"
+
+namespace mor::internal {
+namespace {
+
+constexpr int kNumYaws = 72;
+constexpr std::size_t kPeaksPerYaw = 24;
+constexpr double kYawStepRad = 2.0 * std::numbers::pi / kNumYaws;
+
+/// A search point on the volume's grid, the body not yet moved.
+struct GridPoint {
+  int x, y, z;
+};
+
+struct Peak {
+  int score = 0;
+  int yaw = 0;
+  int x = 0;  ///< Shift of the points, in nodes.
+  int y = 0;
+};
+
+Eigen::Isometry3d turned(double yaw_rad) {
+  return Eigen::Isometry3d(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()));
+}
+
+/// Every shift's score at one yaw. Each point adds the volume's layer at its height once, moved:
+/// whole rows in vector instructions.
+class Correlation {
+ public:
+  Correlation(const StartScene& scene, const StartVolume& volume, double yaw_rad)
+      : volume_(volume) {
+    const Eigen::Isometry3f turn = turned(yaw_rad).cast<float>();
+    int max_x = INT32_MIN;
+    int max_y = INT32_MIN;
+    for (const auto& point : scene.search_points) {
+      const Eigen::Vector3f grid = (turn * point - volume.origin_mm) / volume.spacing_mm;
+      const GridPoint at{static_cast<int>(std::lround(grid.x())),
+                         static_cast<int>(std::lround(grid.y())),
+                         static_cast<int>(std::lround(grid.z()))};
+      if (at.z < 0 || at.z >= volume.size[2]) continue;
+      points_.push_back(at);
+      min_x_ = std::min(min_x_, at.x);
+      min_y_ = std::min(min_y_, at.y);
+      max_x = std::max(max_x, at.x);
+      max_y = std::max(max_y, at.y);
+    }
+    if (points_.empty()) return;
+    // Shift s puts point p on node p + s: s runs from -max to size - min.
+    first_x_ = -max_x;
+    first_y_ = -max_y;
+    sums_ = Image<std::int16_t>(
+        volume.size[0] + max_x - min_x_, volume.size[1] + max_y - min_y_, std::int16_t{0});
+    for (const auto& point : points_) add(point);
+  }
+
+  [[nodiscard]] std::vector<Peak> peaks(int yaw) const {
+    std::vector<Peak> peaks;
+    for (int y = 1; y + 1 < sums_.height(); ++y) {
+      for (int x = 1; x + 1 < sums_.width(); ++x) {
+        if (sums_(x, y) > 0 && is_peak(x, y)) {
+          peaks.push_back({sums_(x, y), yaw, x + first_x_, y + first_y_});
+        }
+      }
+    }
+    const auto is_better = [](const Peak& a, const Peak& b) { return a.score > b.score; };
+    std::stable_sort(peaks.begin(), peaks.end(), is_better);
+    if (peaks.size() > kPeaksPerYaw) peaks.resize(kPeaksPerYaw);
+    return peaks;
+  }
+
+ private:
+  void add(const GridPoint& point) {
+    const auto [nx, ny, nz] = volume_.size;
+    for (int y = 0; y < ny; ++y) {
+      const std::int8_t* worth = volume_.row(y, point.z);
+      std::int16_t* sums = sums_.view().row(y - point.y - first_y_) - point.x - first_x_;
+      for (int x = 0; x < nx; ++x) sums[x] = static_cast<std::int16_t>(sums[x] + worth[x]);
+    }
+  }
+
+  [[nodiscard]] bool is_peak(int x, int y) const {
+    const int here = sums_(x, y);
+    for (int v = -1; v <= 1; ++v) {
+      for (int u = -1; u <= 1; ++u) {
+        if (u == 0 && v == 0) continue;
+        // Of equal neighbours the first counts.
+        const bool is_before = v < 0 || (v == 0 && u < 0);
+        const int there = sums_(x + u, y + v);
+        if (there > here || (is_before && there == here)) return false;
+      }
+    }
+    return true;
+  }
+
+  const StartVolume& volume_;
+  std::vector<GridPoint> points_;
+  int min_x_ = INT32_MAX;
+  int min_y_ = INT32_MAX;
+  int first_x_ = 0;
+  int first_y_ = 0;
+  Image<std::int16_t> sums_;
+};
+
+/// Whether a better peak of a like yaw is near.
+bool is_shadowed(const Peak& peak, const std::vector<Peak>& better) {
+  constexpr int kNearNodes = 3;
+  constexpr int kNearYaws = 2;
+  return std::any_of(better.begin(), better.end(), [&peak](const Peak& other) {
+    const int turn = std::abs(peak.yaw - other.yaw);
+    return std::min(turn, kNumYaws - turn) <= kNearYaws &&
+           std::abs(peak.x - other.x) <= kNearNodes && std::abs(peak.y - other.y) <= kNearNodes;
+  });
+}
+
+}  // namespace
+
+std::vector<StartCandidate> search_on_plane(const StartScene& scene,
+                                            const StartVolume& volume,
+                                            std::size_t max_candidates) {
+  if (scene.search_points.empty()) return {};
+  std::vector<std::vector<Peak>> by_yaw(kNumYaws);
+  tbb::parallel_for(0, kNumYaws, [&](int yaw) {
+    by_yaw[static_cast<std::size_t>(yaw)] =
+        Correlation(scene, volume, yaw * kYawStepRad).peaks(yaw);
+  });
+  std::vector<Peak> all;
+  for (const auto& peaks : by_yaw) all.insert(all.end(), peaks.begin(), peaks.end());
+  std::stable_sort(
+      all.begin(), all.end(), [](const Peak& a, const Peak& b) { return a.score > b.score; });
+  std::vector<Peak> best;
+  for (const auto& peak : all) {
+    if (best.size() == max_candidates) break;
+    if (!is_shadowed(peak, best)) best.push_back(peak);
+  }
+  const Eigen::Isometry3d ct_from_lying = volume.lying_from_ct.inverse();
+  const double most = StartVolume::kMostWorth * static_cast<double>(scene.search_points.size());
+  std::vector<StartCandidate> candidates;
+  for (const auto& peak : best) {
+    const Eigen::Translation3d shift(peak.x * static_cast<double>(volume.spacing_mm),
+                                     peak.y * static_cast<double>(volume.spacing_mm),
+                                     0.0);
+    candidates.push_back(
+        {ct_from_lying * shift * turned(peak.yaw * kYawStepRad) * scene.table_from_depth,
+         peak.score / most});
+  }
+  return candidates;
+}
+
+}  // namespace mor::internal

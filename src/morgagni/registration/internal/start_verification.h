@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "morgagni/registration/fixed_surface.h"
+#include "morgagni/registration/internal/start_picture.h"
+#include "morgagni/registration/internal/start_scene.h"
+
+namespace mor::internal {
+
+/// What a picture says of the CT's skin at a pose, in parts of the skin that should be seen there.
+struct SkinAgreement {
+  double num_seen = 0.0;      ///< In view, with a reading.
+  double num_agree = 0.0;     ///< Measured where it should be; less the farther from there.
+  double num_floating = 0.0;  ///< The camera looks through it: never so at the right pose.
+  double num_hidden = 0.0;    ///< Something measured stands before it.
+};
+
+/// Holds poses against the picture from the CT's side: is the skin where the camera should see it?
+class StartVerifier {
+ public:
+  StartVerifier(std::shared_ptr<const FixedSurface> fixed, float body_extent_mm);
+
+  /// By some hundreds of points of the skin that face the camera. @cost About 5 us.
+  [[nodiscard]] SkinAgreement glance(const StartPicture& picture,
+                                     const Eigen::Isometry3d& ct_from_depth,
+                                     float tolerance_mm) const;
+
+  /// By the depth that the camera would see, pixel by pixel. @cost About 3 ms.
+  [[nodiscard]] SkinAgreement look(const StartPicture& picture,
+                                   const Eigen::Isometry3d& ct_from_depth,
+                                   float tolerance_mm) const;
+
+ private:
+  struct SkinPoint {
+    Eigen::Vector3f point;
+    Eigen::Vector3f normal;
+  };
+
+  std::shared_ptr<const FixedSurface> fixed_;
+  std::vector<SkinPoint> points_;
+};
+
+}  // namespace mor::internal

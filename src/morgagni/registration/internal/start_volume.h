@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "morgagni/registration/fixed_surface.h"
+#include "morgagni/registration/start.h"
+
+namespace mor::internal {
+
+/// What a measured point is worth at a place about the CT's body, on a grid: most on the skin,
+/// nothing away from it, less than nothing inside the body, where no camera sees.
+///
+/// The grid stands as the body lies: frame `lying`, its z axis up from the table, which touches the
+/// body at z = 0.
+struct StartVolume {
+  static constexpr int kMostWorth = 100;
+
+  Eigen::Isometry3d lying_from_ct = Eigen::Isometry3d::Identity();
+  Eigen::Vector3f origin_mm = Eigen::Vector3f::Zero();  ///< Of node (0, 0, 0), frame lying.
+  float spacing_mm = 1.0F;
+  std::array<int, 3> size{};  ///< Nodes along x, y, z.
+  std::vector<std::int8_t> worth;
+
+  [[nodiscard]] const std::int8_t* row(int y, int z) const {
+    return worth.data() + (static_cast<std::ptrdiff_t>(z) * size[1] + y) * size[0];
+  }
+  /// The worth of a point of frame lying, 0 outside the grid.
+  [[nodiscard]] int at(const Eigen::Vector3f& p) const {
+    const Eigen::Vector3f grid = (p - origin_mm) / spacing_mm + Eigen::Vector3f::Constant(0.5F);
+    if (!(grid.minCoeff() >= 0.0F)) return 0;
+    const Eigen::Vector3i node = grid.cast<int>();
+    if (node.x() >= size[0] || node.y() >= size[1] || node.z() >= size[2]) return 0;
+    return row(node.y(), node.z())[node.x()];
+  }
+};
+
+[[nodiscard]] StartVolume make_start_volume(const FixedSurface& fixed, BodySide lying_on);
+
+}  // namespace mor::internal
