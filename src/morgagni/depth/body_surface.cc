@@ -53,6 +53,11 @@ void add_cell_triangles(const Cell& cell,
   }
 }
 
+bool in_picture(const Eigen::Vector2d& pixel, const PinholeCamera& camera) {
+  return pixel.x() >= 0.0 && pixel.y() >= 0.0 && pixel.x() <= camera.width_px - 1.0 &&
+         pixel.y() <= camera.height_px - 1.0;
+}
+
 }  // namespace
 
 Result<void> BodySurfaceOptions::check() const {
@@ -76,7 +81,11 @@ struct BodySurfaceExtractor::Impl {
   Impl(const PinholeCamera& depth_camera, const BodySurfaceOptions& surface_options);
 
   [[nodiscard]] int grid_position(std::optional<double> pixel, int size) const;
+  [[nodiscard]] Result<void> take(ImageView<const std::uint16_t> depth_mm);
   void back_project(ImageView<const std::uint16_t> depth_mm);
+  [[nodiscard]] std::size_t grow_from(std::optional<Eigen::Vector2d> seed_px);
+  [[nodiscard]] std::size_t grow_around(std::span<const Eigen::Vector3d> expected);
+  [[nodiscard]] BodySurface surface(std::size_t count);
   void add_vertices(std::size_t count, PointCloud& cloud);
   void add_triangles(std::size_t num_vertices, std::vector<Triangle>& triangles) const;
   [[nodiscard]] bool ad_is_shorter(std::size_t a) const;
@@ -139,6 +148,53 @@ void BodySurfaceExtractor::Impl::back_project(ImageView<const std::uint16_t> dep
     grid.x[i] = ray_x[i] * grid.z[i];
     grid.y[i] = ray_y[i] * grid.z[i];
   }
+}
+
+/// Back-projects a picture and connects its pixels.
+Result<void> BodySurfaceExtractor::Impl::take(ImageView<const std::uint16_t> depth_mm) {
+  if (depth_mm.width() != camera.width_px || depth_mm.height() != camera.height_px) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("the depth image is {}x{} but the camera's pictures are {}x{}",
+                                  depth_mm.width(),
+                                  depth_mm.height(),
+                                  camera.width_px,
+                                  camera.height_px));
+  }
+  back_project(depth_mm);
+  internal::connect_neighbors(grid, static_cast<float>(options.max_edge_mm), edges);
+  return {};
+}
+
+std::size_t BodySurfaceExtractor::Impl::grow_from(std::optional<Eigen::Vector2d> seed_px) {
+  return grower.grow(
+      grid,
+      edges,
+      grid_position(seed_px ? std::optional(seed_px->x()) : std::nullopt, grid.width),
+      grid_position(seed_px ? std::optional(seed_px->y()) : std::nullopt, grid.height),
+      mask);
+}
+
+std::size_t BodySurfaceExtractor::Impl::grow_around(std::span<const Eigen::Vector3d> expected) {
+  std::vector<internal::RegionGrower::Expected> places;
+  places.reserve(expected.size());
+  for (const Eigen::Vector3d& place : expected) {
+    const auto pixel = camera.project(place);
+    if (!pixel || !in_picture(*pixel, camera)) continue;
+    places.push_back({grid_position(pixel->x(), grid.width),
+                      grid_position(pixel->y(), grid.height),
+                      static_cast<float>(place.z())});
+  }
+  return grower.grow(grid, edges, places, mask);
+}
+
+/// The surface of the `count` pixels in the mask.
+BodySurface BodySurfaceExtractor::Impl::surface(std::size_t count) {
+  BodySurface surface;
+  if (count == 0) return surface;
+  normals.fit(grid.z, mask);
+  add_vertices(count, surface.cloud);
+  add_triangles(count, surface.triangles);
+  return surface;
 }
 
 void BodySurfaceExtractor::Impl::add_vertices(std::size_t count, PointCloud& cloud) {
@@ -204,29 +260,15 @@ BodySurfaceExtractor::~BodySurfaceExtractor() = default;
 
 Result<BodySurface> BodySurfaceExtractor::extract(ImageView<const std::uint16_t> depth_mm,
                                                   std::optional<Eigen::Vector2d> seed_px) {
-  Impl& impl = *impl_;
-  if (depth_mm.width() != impl.camera.width_px || depth_mm.height() != impl.camera.height_px) {
-    return make_error(ErrorCode::kInvalidArgument,
-                      fmt::format("the depth image is {}x{} but the camera's pictures are {}x{}",
-                                  depth_mm.width(),
-                                  depth_mm.height(),
-                                  impl.camera.width_px,
-                                  impl.camera.height_px));
-  }
-  impl.back_project(depth_mm);
-  internal::connect_neighbors(impl.grid, static_cast<float>(impl.options.max_edge_mm), impl.edges);
-  const std::size_t count = impl.grower.grow(
-      impl.grid,
-      impl.edges,
-      impl.grid_position(seed_px ? std::optional(seed_px->x()) : std::nullopt, impl.grid.width),
-      impl.grid_position(seed_px ? std::optional(seed_px->y()) : std::nullopt, impl.grid.height),
-      impl.mask);
-  BodySurface surface;
-  if (count == 0) return surface;
-  impl.normals.fit(impl.grid.z, impl.mask);
-  impl.add_vertices(count, surface.cloud);
-  impl.add_triangles(count, surface.triangles);
-  return surface;
+  MOR_CHECK(impl_->take(depth_mm));
+  return impl_->surface(impl_->grow_from(seed_px));
+}
+
+Result<BodySurface> BodySurfaceExtractor::extract(ImageView<const std::uint16_t> depth_mm,
+                                                  std::span<const Eigen::Vector3d> expected) {
+  MOR_CHECK(impl_->take(depth_mm));
+  const std::size_t count = impl_->grow_around(expected);
+  return impl_->surface(count > 0 ? count : impl_->grow_from(std::nullopt));
 }
 
 }  // namespace mor

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -53,6 +54,14 @@ class BodySurfaceExtractor {
   /// (depth_benchmark).
   [[nodiscard]] Result<BodySurface> extract(ImageView<const std::uint16_t> depth_mm,
                                             std::optional<Eigen::Vector2d> seed_px = std::nullopt);
+
+  /// The same where about is known where the body is: keeps the part of the picture on which the
+  /// most of `expected` lie, so that neither a hand before the body nor a lone reading is taken for
+  /// it.
+  /// @param expected  Places of the body's surface, frame depth, mm; right to some centimetres.
+  ///        Where none lies on anything: grows from the picture's centre.
+  [[nodiscard]] Result<BodySurface> extract(ImageView<const std::uint16_t> depth_mm,
+                                            std::span<const Eigen::Vector3d> expected);
 
  private:
   struct Impl;

@@ -162,6 +162,31 @@ TEST(BodySurface, GrowsFromWhereTheBodyIsExpected) {
             4000U);
 }
 
+TEST(BodySurface, KeepsThePartOnWhichMostExpectedPlacesLie) {
+  // A body to the left, a hand in the middle and nearer, a lone reading to the right.
+  DepthImage image(kKinect.width_px, kKinect.height_px);
+  for (int y = 100; y < 400; ++y) {
+    for (int x = 50; x < 300; ++x) image(x, y) = 800;
+    for (int x = 250; x < 400; ++x) image(x, y) = 600;
+  }
+  image(500, 200) = 800;
+  auto extractor = *BodySurfaceExtractor::create(kKinect, {});
+  const auto first_depth_mm = [&](std::vector<Eigen::Vector2d> pixels, double z_mm) {
+    std::vector<Eigen::Vector3d> places;
+    for (const auto& pixel : pixels)
+      places.push_back(z_mm * Eigen::Vector3d(kKinect.ray(pixel).homogeneous()));
+    const auto surface = *extractor.extract(image.view(), places);
+    return surface.cloud.empty() ? 0.0F : surface.cloud.points.front().z();
+  };
+  EXPECT_EQ(first_depth_mm({{100.0, 200.0}, {200.0, 300.0}, {320.0, 240.0}, {500.0, 200.0}}, 810.0),
+            800.0F);
+  EXPECT_EQ(first_depth_mm({{300.0, 200.0}, {320.0, 240.0}, {100.0, 200.0}}, 630.0), 600.0F);
+  // Where nothing is as expected, behind the camera or beside the picture: from the centre.
+  EXPECT_EQ(first_depth_mm({{100.0, 200.0}, {-9.0, 200.0}, {900.0, 200.0}}, 200.0), 600.0F);
+  EXPECT_EQ(first_depth_mm({{100.0, 200.0}}, -800.0), 600.0F);
+  EXPECT_EQ(first_depth_mm({}, 800.0), 600.0F);
+}
+
 TEST(BodySurface, ConnectsAcrossADiagonalOnly) {
   DepthImage image(640, 480, 0);
   image(320, 240) = 600;

@@ -15,6 +15,7 @@
 
 #include "morgagni/core/statistics.h"
 #include "morgagni/geometry/rigid.h"
+#include "morgagni/registration/visible_place.h"
 
 namespace mor {
 namespace {
@@ -77,12 +78,12 @@ class Evaluation {
  public:
   Evaluation(const FineRegistration& registration,
              BodySurfaceExtractor& extractor,
-             const Eigen::Vector3d& skin_center,
+             const TriangleMesh& skin,
              const std::vector<Target>& targets,
              const EvaluationOptions& options)
       : registration_(registration),
         extractor_(extractor),
-        skin_center_(skin_center),
+        skin_(skin),
         targets_(targets),
         options_(options),
         random_(options.seed) {}
@@ -101,7 +102,7 @@ class Evaluation {
 
   const FineRegistration& registration_;
   BodySurfaceExtractor& extractor_;
-  Eigen::Vector3d skin_center_;  ///< Of the CT, whose place in the picture the growth starts from.
+  const TriangleMesh& skin_;
   const std::vector<Target>& targets_;
   const EvaluationOptions& options_;
   std::mt19937_64 random_;
@@ -113,8 +114,8 @@ class Evaluation {
 
 Result<PointCloud> Evaluation::surface_at(const RgbdFrame& frame,
                                           const Eigen::Isometry3d& expected) {
-  const auto seed_px = frame.calibration->depth.project(expected.inverse() * skin_center_);
-  MOR_TRY(auto surface, extractor_.extract(frame.depth_mm.view(), seed_px));
+  MOR_TRY(auto surface,
+          extractor_.extract(frame.depth_mm.view(), places_facing_camera(skin_, expected)));
   if (surface.cloud.empty()) {
     return make_error(ErrorCode::kInvalidArgument,
                       fmt::format("frame {} shows nothing between {} and {} mm",
@@ -253,8 +254,7 @@ Result<EvaluationReport> evaluate_recording(const TumRecording& recording,
   MOR_TRY(const auto registration, make_fine_registration(fixed, options.registration));
   MOR_TRY(auto extractor,
           BodySurfaceExtractor::create(recording.calibration()->depth, options.depth));
-  const Eigen::Vector3d skin_center = fixed->mesh.bounds().center().cast<double>();
-  Evaluation evaluation(*registration, extractor, skin_center, targets, options);
+  Evaluation evaluation(*registration, extractor, fixed->mesh, targets, options);
   int num_without_truth = 0;
   for (std::size_t i = 0; i < recording.size(); ++i) {
     if (const auto pose = truth_at(truth, recording.timestamp_s(i))) {

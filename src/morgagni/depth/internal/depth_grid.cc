@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/depth/internal/depth_grid.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <optional>
 
@@ -10,6 +12,8 @@ namespace mor::internal {
 namespace {
 
 constexpr std::uint32_t kNoRun = std::numeric_limits<std::uint32_t>::max();
+/// A reading this far before or behind an expected place is something else.
+constexpr float kExpectedMm = 80.0F;
 
 /// Sets `bit` in `edges[i]` where points `i` and `i + step` are near each other, for `count` pixels
 /// from `first` on. A comparison with NaN is false, so pixels without reading have no edges.
@@ -126,6 +130,22 @@ void RegionGrower::join_rows(const DepthGrid& grid, const std::vector<std::uint8
   }
 }
 
+void RegionGrower::label_pieces(const DepthGrid& grid, const std::vector<std::uint8_t>& edges) {
+  label_runs(grid, edges);
+  join_rows(grid, edges);
+  // After this every run points at its root: one look-up a pixel below.
+  for (std::uint32_t run = 0; run < parent_.size(); ++run) parent_[run] = find_root(run);
+}
+
+std::size_t RegionGrower::mark(std::uint32_t piece, std::vector<std::uint8_t>& mask) const {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    mask[i] = parent_[run_of_pixel_[i]] == piece ? 1 : 0;
+    count += mask[i];
+  }
+  return count;
+}
+
 std::size_t RegionGrower::grow(const DepthGrid& grid,
                                const std::vector<std::uint8_t>& edges,
                                int seed_x,
@@ -134,17 +154,26 @@ std::size_t RegionGrower::grow(const DepthGrid& grid,
   mask.assign(grid.size(), 0);
   const auto seed = nearest_reading(grid, seed_x, seed_y);
   if (!seed) return 0;
-  label_runs(grid, edges);
-  join_rows(grid, edges);
-  const std::uint32_t body = find_root(run_of_pixel_[*seed]);
-  // After this every run points at its root: one look-up a pixel below.
-  for (std::uint32_t run = 0; run < parent_.size(); ++run) parent_[run] = find_root(run);
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < grid.size(); ++i) {
-    mask[i] = parent_[run_of_pixel_[i]] == body ? 1 : 0;
-    count += mask[i];
+  label_pieces(grid, edges);
+  return mark(parent_[run_of_pixel_[*seed]], mask);
+}
+
+std::size_t RegionGrower::grow(const DepthGrid& grid,
+                               const std::vector<std::uint8_t>& edges,
+                               std::span<const Expected> expected,
+                               std::vector<std::uint8_t>& mask) {
+  mask.assign(grid.size(), 0);
+  label_pieces(grid, edges);
+  std::map<std::uint32_t, int> votes;
+  for (const Expected& place : expected) {
+    const std::size_t i = static_cast<std::size_t>(place.y) * static_cast<std::size_t>(grid.width) +
+                          static_cast<std::size_t>(place.x);
+    // Written so that a pixel without reading, NaN, has no vote.
+    if (std::abs(grid.z[i] - place.z_mm) < kExpectedMm) ++votes[parent_[run_of_pixel_[i]]];
   }
-  return count;
+  const auto most = std::max_element(
+      votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == votes.end() ? 0 : mark(most->first, mask);
 }
 
 }  // namespace mor::internal

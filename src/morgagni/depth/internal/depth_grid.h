@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace mor::internal {
@@ -30,9 +31,16 @@ enum GridEdge : std::uint8_t {
 /// Which neighbours are at most `max_edge_mm` apart in space.
 void connect_neighbors(const DepthGrid& grid, float max_edge_mm, std::vector<std::uint8_t>& edges);
 
-/// Finds the pixels that are connected with a seed.
+/// Parts the picture into pieces of connected pixels and marks those that are wanted.
 class RegionGrower {
  public:
+  /// A pixel of the grid where the body's surface is expected, and how far away.
+  struct Expected {
+    int x = 0;
+    int y = 0;
+    float z_mm = 0.0F;
+  };
+
   /// Sets `mask` to 1 where a chain of edges leads from the pixel nearest to (seed_x, seed_y) that
   /// has a reading, 0 elsewhere. @return The number of pixels in it; 0 when no pixel has a reading.
   std::size_t grow(const DepthGrid& grid,
@@ -41,11 +49,21 @@ class RegionGrower {
                    int seed_y,
                    std::vector<std::uint8_t>& mask);
 
+  /// The same from the piece that the most expected places lie on.
+  /// @return 0 when none lies on any.
+  std::size_t grow(const DepthGrid& grid,
+                   const std::vector<std::uint8_t>& edges,
+                   std::span<const Expected> expected,
+                   std::vector<std::uint8_t>& mask);
+
  private:
   std::uint32_t find_root(std::uint32_t run);
   void unite(std::uint32_t a, std::uint32_t b);
+  /// Every run points at the first one of its piece.
+  void label_pieces(const DepthGrid& grid, const std::vector<std::uint8_t>& edges);
   void label_runs(const DepthGrid& grid, const std::vector<std::uint8_t>& edges);
   void join_rows(const DepthGrid& grid, const std::vector<std::uint8_t>& edges);
+  std::size_t mark(std::uint32_t piece, std::vector<std::uint8_t>& mask) const;
 
   std::vector<std::uint32_t> run_of_pixel_;
   std::vector<std::uint32_t> parent_;
