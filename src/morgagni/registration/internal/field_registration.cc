@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <span>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -42,6 +41,7 @@ constexpr std::size_t kMaxStride = 8;
 /// Runs of so many neighbours, about kRunPoints points in all.
 constexpr std::size_t kRunLength = 24;
 constexpr std::size_t kRunPoints = 3000;
+constexpr std::size_t kMaxRunStride = 1000;
 
 /// Above the skin the kernel is half as wide as below: what lies above may be clutter, what seems
 /// to lie below is an error of the pose. Without this a towel on a head pulls it up.
@@ -78,6 +78,10 @@ StartPrior start_prior(StartQuality start) {
   return {10.0, 5.0 * std::numbers::pi / 180.0};
 }
 
+std::size_t stride_for(const PointCloud& moving, std::size_t count, std::size_t limit) {
+  return std::clamp<std::size_t>(moving.size() / count, 1, limit);
+}
+
 /// The working state of one alignment.
 class Alignment {
  public:
@@ -86,23 +90,31 @@ class Alignment {
             const Eigen::Isometry3d& init,
             StartQuality start)
       : field_(field),
-        all_(weighted_points(moving, 1)),
+        few_(take_points(moving, 1, stride_for(moving, kFewPoints, kMaxStride))),
+        runs_(take_points(moving, kRunLength, stride_for(moving, kRunPoints, kMaxRunStride))),
+        all_(take_points(moving, 1, 1)),
         init_(init),
         prior_(start_prior(start)),
         pose_(init) {
-    stride_ = std::clamp<std::size_t>(all_.size() / kFewPoints, 1, kMaxStride);
-    for (std::size_t i = 0; i < all_.size(); i += stride_) few_.push_back(all_[i]);
-    run_stride_ = std::max<std::size_t>(1, all_.size() / kRunPoints);
-    for (std::size_t i = 0; i < all_.size(); ++i) {
-      if (i / kRunLength % run_stride_ == 0) runs_.push_back(all_[i]);
+    double weight = 0.0;
+    for (const auto& group : few_.groups) {
+      for (int i = 0; i < kLanes; ++i) {
+        if (group.weight[i] == 0.0F) continue;
+        center_ += Eigen::Vector3f(group.x[i], group.y[i], group.z[i]).cast<double>();
+        weight += 1.0;
+      }
     }
-    for (const auto& point : few_) center_ += point.point.cast<double>();
-    if (!few_.empty()) center_ /= static_cast<double>(few_.size());
+    if (weight == 0.0) return;
+    center_ /= weight;
     double sum_sq_mm2 = 0.0;
-    for (const auto& point : few_) {
-      sum_sq_mm2 += (point.point.cast<double>() - center_).squaredNorm();
+    for (const auto& group : few_.groups) {
+      for (int i = 0; i < kLanes; ++i) {
+        if (group.weight[i] == 0.0F) continue;
+        sum_sq_mm2 += (Eigen::Vector3f(group.x[i], group.y[i], group.z[i]).cast<double>() - center_)
+                          .squaredNorm();
+      }
     }
-    radius_mm_ = std::max(1.0, std::sqrt(sum_sq_mm2 / std::max<double>(1.0, few_.size())));
+    radius_mm_ = std::max(1.0, std::sqrt(sum_sq_mm2 / weight));
   }
 
   /// Runs one stage; false when too few points find the surface.
@@ -111,18 +123,15 @@ class Alignment {
   [[nodiscard]] int num_iterations() const { return num_iterations_; }
 
  private:
-  /// The points and how many readings each stands for.
-  [[nodiscard]] std::pair<std::span<const SensorPoint>, std::size_t> points_of(Share share) const;
+  [[nodiscard]] const SensorPoints& points_of(Share share) const;
   [[nodiscard]] double step(const NormalEquations& equations, double stride);
   [[nodiscard]] Vector6d prior_information() const;
   [[nodiscard]] bool is_degenerate() const;
 
   const DistanceField& field_;
-  std::vector<SensorPoint> all_;
-  std::vector<SensorPoint> few_;
-  std::vector<SensorPoint> runs_;
-  std::size_t stride_ = 1;      ///< Of the few among all.
-  std::size_t run_stride_ = 1;  ///< Of the runs.
+  SensorPoints few_;
+  SensorPoints runs_;
+  SensorPoints all_;
   Eigen::Isometry3d init_;
   StartPrior prior_;
   Eigen::Isometry3d pose_;
@@ -162,25 +171,25 @@ double Alignment::step(const NormalEquations& equations, double stride) {
   return std::hypot(twist.tail<3>().norm(), twist.head<3>().norm() * radius_mm_);
 }
 
-std::pair<std::span<const SensorPoint>, std::size_t> Alignment::points_of(Share share) const {
+const SensorPoints& Alignment::points_of(Share share) const {
   switch (share) {
     case Share::kFew:
-      return {few_, stride_};
+      return few_;
     case Share::kRuns:
-      return {runs_, run_stride_};
+      return runs_;
     case Share::kAll:
       break;
   }
-  return {all_, 1};
+  return all_;
 }
 
 bool Alignment::run(const Stage& stage, int max_iterations) {
-  const auto [points, stride] = points_of(stage.points);
+  const SensorPoints& points = points_of(stage.points);
   const FieldLevel& level = stage.fine ? field_.fine() : field_.coarse();
   converged_ = false;
   for (int i = 0; i < stage.max_iterations && num_iterations_ < max_iterations; ++i) {
     last_ = linearizer_.linearize(level, points, pose_, pose_ * center_, stage.rule);
-    last_stride_ = static_cast<double>(stride);
+    last_stride_ = static_cast<double>(points.stride);
     if (last_.num_pairs * last_stride_ < kMinPairs) return false;
     ++num_iterations_;
     converged_ = step(last_, last_stride_) < stage.stop_step_mm;
@@ -213,19 +222,9 @@ RegistrationResult Alignment::finish(const PointCloud& moving) const {
         .residual_scale = std::sqrt(last_.sum_weighted_sq / static_cast<double>(last_.num_pairs)),
         .num_pairs = last_.num_pairs};
   }
-  const Eigen::Isometry3f pose = pose_.cast<float>();
-  FieldSample sample;
-  std::size_t num_near = 0;
-  std::size_t num_seen = 0;
-  for (std::size_t i = 0; i < moving.size(); i += kExplainedStride, ++num_seen) {
-    if (DistanceField::look_up(field_.fine(), pose * moving.points[i], sample) &&
-        std::abs(sample.distance_mm) <= kExplainedMm) {
-      ++num_near;
-    }
-  }
-  if (num_seen > 0) {
-    result.explained_fraction = static_cast<double>(num_near) / static_cast<double>(num_seen);
-  }
+  if (!moving.empty())
+    result.explained_fraction =
+        static_cast<double>(last_.num_near) / (static_cast<double>(moving.size()) / last_stride_);
   if (last_.num_pairs * last_stride_ < kMinPairs) {
     result.status = RegistrationStatus::kTooFewPairs;
   } else if (is_degenerate()) {

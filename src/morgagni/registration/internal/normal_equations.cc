@@ -8,139 +8,248 @@
 namespace mor::internal {
 namespace {
 
-/// Pairs are gathered in blocks, whose products are one small matrix multiplication each: sums in
-/// float stay short, and their order is fixed.
-constexpr int kBlock = 64;
-/// Rows of a block: the six derivatives, the distance, 1.
-using Block = Eigen::Matrix<float, 8, kBlock>;
+constexpr float kNearMm = 5.0F;
+/// What an unknown node says of itself: below any distance of a field.
+constexpr float kUnknownMm = static_cast<float>(FieldNode::kNoSurface) / FieldNode::kUnitsPerMm;
+/// Groups whose nodes are asked of memory together, ahead of their use.
+constexpr std::size_t kBatch = 8;
+/// Groups that are summed in float before they go into the sums in double.
+constexpr std::size_t kFloatGroups = 32;
 
-class BlockSums {
+/// A level's grid with what finding nodes in it needs.
+class NodeFinder {
  public:
-  void add(const Eigen::Vector3f& lever,
-           const Eigen::Vector3f& normal,
-           float distance_mm,
-           float weight) {
-    auto column = rows_.col(count_);
-    column.head<3>() = lever.cross(normal);
-    column.segment<3>(3) = normal;
-    column[6] = distance_mm;
-    column[7] = 1.0F;
-    weighted_.col(count_) = weight * column;
-    ++num_pairs_;
-    if (++count_ == kBlock) flush();
+  explicit NodeFinder(const FieldLevel& level)
+      : level_(level), origin_mm_(level.origin_mm), per_spacing_(1.0F / level.spacing_mm) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      last_[axis] = static_cast<float>((level.bricks[axis] << FieldLevel::kBrickShift) - 1);
+    }
   }
 
-  [[nodiscard]] NormalEquations finish() {
-    rows_.rightCols(kBlock - count_).setZero();
-    weighted_.rightCols(kBlock - count_).setZero();
-    flush();
-    NormalEquations equations;
-    equations.information = sums_.topLeftCorner<6, 6>();
-    equations.gradient = sums_.block<6, 1>(0, 6);
-    equations.sum_weighted_sq = sums_(6, 6);
-    equations.sum_weights = sums_(7, 7);
-    equations.num_pairs = num_pairs_;
-    return equations;
+  /// The node's coordinate along an axis that is nearest to `p`, cut to the grid; `offset_mm` is
+  /// set to p minus it.
+  [[nodiscard]] IntLanes nearest(const Lanes& p, int axis, Lanes& offset_mm) const {
+    const Lanes grid = (p - origin_mm_[axis]) * per_spacing_ + 0.5F;
+    const Lanes last = Lanes{} + last_[static_cast<std::size_t>(axis)];
+    const IntLanes node = __builtin_convertvector(min_of(max_of(grid, Lanes{}), last), IntLanes);
+    offset_mm = p - origin_mm_[axis] - level_.spacing_mm * __builtin_convertvector(node, Lanes);
+    return node;
+  }
+
+  /// Sets `nodes` to those of a group, and asks memory for them.
+  void find(const IntLanes& x,
+            const IntLanes& y,
+            const IntLanes& z,
+            const FieldNode** nodes) const {
+    constexpr int kShift = FieldLevel::kBrickShift;
+    constexpr int kMask = FieldLevel::kBrickSide - 1;
+    const IntLanes brick =
+        ((z >> kShift) * level_.bricks[1] + (y >> kShift)) * level_.bricks[0] + (x >> kShift);
+    const IntLanes inside = ((((z & kMask) << kShift) | (y & kMask)) << kShift) | (x & kMask);
+    for (int i = 0; i < kLanes; ++i) {
+      nodes[i] = level_.nodes.data() +
+                 level_.index[static_cast<std::size_t>(brick[i])] * FieldLevel::kBrickNodes +
+                 static_cast<std::size_t>(inside[i]);
+      __builtin_prefetch(nodes[i]);
+    }
   }
 
  private:
+  const FieldLevel& level_;
+  Eigen::Vector3f origin_mm_;
+  float per_spacing_;
+  std::array<float, 3> last_{};
+};
+
+[[nodiscard]] Lanes tukey_weight(const Lanes& distance_mm, const Lanes& per_scale) {
+  const Lanes ratio = distance_mm * per_scale;
+  const Lanes rest = max_of(1.0F - ratio * ratio, Lanes{});
+  return rest * rest;
+}
+
+/// The sums of a linearisation, lane by lane, in a fixed order.
+class Sums {
+ public:
+  void add(const Lanes& x,
+           const Lanes& y,
+           const Lanes& z,
+           const Lanes& normal_x,
+           const Lanes& normal_y,
+           const Lanes& normal_z,
+           const Lanes& distance_mm,
+           const Lanes& weight) {
+    const std::array<Lanes, 8> row = {y * normal_z - z * normal_y,
+                                      z * normal_x - x * normal_z,
+                                      x * normal_y - y * normal_x,
+                                      normal_x,
+                                      normal_y,
+                                      normal_z,
+                                      distance_mm,
+                                      Lanes{} + 1.0F};
+    std::size_t k = 0;
+    for (std::size_t a = 0; a < row.size(); ++a) {
+      const Lanes weighted = weight * row[a];
+      for (std::size_t b = a; b < row.size(); ++b) products_[k++] += weighted * row[b];
+    }
+    if (++count_ == kFloatGroups) flush();
+  }
+
+  [[nodiscard]] Eigen::Matrix<double, 8, 8> finish() {
+    flush();
+    Eigen::Matrix<double, 8, 8> sums;
+    std::size_t k = 0;
+    for (int a = 0; a < 8; ++a) {
+      for (int b = a; b < 8; ++b) sums(a, b) = sums(b, a) = sums_[k++];
+    }
+    return sums;
+  }
+
+ private:
+  static constexpr std::size_t kProducts = 36;
+
   void flush() {
-    const Eigen::Matrix<float, 8, 8> products = rows_.lazyProduct(weighted_.transpose());
-    sums_ += products.cast<double>();
+    for (std::size_t k = 0; k < kProducts; ++k) sums_[k] += sum_of(products_[k]);
+    products_ = {};
     count_ = 0;
   }
 
-  Block rows_ = Block::Zero();
-  Block weighted_ = Block::Zero();
-  Eigen::Matrix<double, 8, 8> sums_ = Eigen::Matrix<double, 8, 8>::Zero();
-  int count_ = 0;
-  int num_pairs_ = 0;
+  std::array<Lanes, kProducts> products_{};
+  std::array<double, kProducts> sums_{};
+  std::size_t count_ = 0;
 };
-
-/// Neighbours on either side whose distances are averaged, and how far apart they may be.
-constexpr std::size_t kRowReach = 3;
-constexpr float kRowReachMm = 30.0F;
-/// Points whose nodes are asked of memory together, ahead of their use.
-constexpr std::size_t kPrefetch = 32;
-
-float tukey_weight(float distance_mm, float per_scale) {
-  const float ratio = distance_mm * per_scale;
-  const float rest = std::max(0.0F, 1.0F - ratio * ratio);
-  return rest * rest;
-}
 
 }  // namespace
 
 void Linearizer::find_pairs(const FieldLevel& level,
-                            std::span<const SensorPoint> points,
+                            const SensorPoints& points,
                             const Eigen::Isometry3f& fixed_from_moving,
                             const PairingRule& rule) {
-  const Eigen::Matrix3f rotation = fixed_from_moving.linear();
+  const Eigen::Matrix3f r = fixed_from_moving.linear();
   const Eigen::Vector3f camera = fixed_from_moving.translation();
-  const float per_above = 1.0F / rule.above_scale_mm;
-  const float per_below = 1.0F / rule.below_scale_mm;
-  pairs_.resize(points.size());
-  distances_mm_.resize(points.size());
-  std::array<const FieldNode*, kPrefetch> nodes{};
-  std::array<Eigen::Vector3f, kPrefetch> offsets_mm;
-  for (std::size_t first = 0; first < points.size(); first += kPrefetch) {
-    const std::size_t count = std::min(kPrefetch, points.size() - first);
-    for (std::size_t k = 0; k < count; ++k) {
-      Pair& pair = pairs_[first + k];
-      pair.p = rotation * points[first + k].point + camera;
-      nodes[k] = level.nearest_node(pair.p, offsets_mm[k]);
-      __builtin_prefetch(nodes[k]);
+  const NodeFinder finder(level);
+  const Lanes per_above = Lanes{} + 1.0F / rule.above_scale_mm;
+  const Lanes per_below = Lanes{} + 1.0F / rule.below_scale_mm;
+  const float reach_mm = 0.51F * level.spacing_mm;
+  pairs_.resize(points.groups.size());
+  std::array<const FieldNode*, kBatch * kLanes> nodes{};
+  for (std::size_t first = 0; first < pairs_.size(); first += kBatch) {
+    const std::size_t end = std::min(first + kBatch, pairs_.size());
+    for (std::size_t g = first; g < end; ++g) {
+      const PointLanes& moving = points.groups[g];
+      PairLanes& pair = pairs_[g];
+      pair.x = r(0, 0) * moving.x + r(0, 1) * moving.y + r(0, 2) * moving.z + camera.x();
+      pair.y = r(1, 0) * moving.x + r(1, 1) * moving.y + r(1, 2) * moving.z + camera.y();
+      pair.z = r(2, 0) * moving.x + r(2, 1) * moving.y + r(2, 2) * moving.z + camera.z();
+      finder.find(finder.nearest(pair.x, 0, pair.normal_x),
+                  finder.nearest(pair.y, 1, pair.normal_y),
+                  finder.nearest(pair.z, 2, pair.normal_z),
+                  &nodes[(g - first) * kLanes]);
     }
-    for (std::size_t k = 0; k < count; ++k) {
-      const SensorPoint& moving = points[first + k];
-      Pair& pair = pairs_[first + k];
-      pair.weight = 0.0F;
-      distances_mm_[first + k] = rule.above_scale_mm;
-      if (nodes[k] == nullptr || nodes[k]->distance == FieldNode::kNoSurface) continue;
-      pair.sample = nodes[k]->extended_by(offsets_mm[k]);
-      const float distance_mm = pair.sample.distance_mm;
-      distances_mm_[first + k] = std::clamp(distance_mm, -rule.below_scale_mm, rule.above_scale_mm);
+    for (std::size_t g = first; g < end; ++g) {
+      const PointLanes& moving = points.groups[g];
+      PairLanes& pair = pairs_[g];
+      Lanes distance = {}, x = {}, y = {}, z = {};
+      for (int i = 0; i < kLanes; ++i) {
+        const FieldNode& node = *nodes[(g - first) * kLanes + static_cast<std::size_t>(i)];
+        distance[i] = static_cast<float>(node.distance);
+        x[i] = static_cast<float>(node.normal[0]);
+        y[i] = static_cast<float>(node.normal[1]);
+        z[i] = static_cast<float>(node.normal[2]);
+      }
+      constexpr float kPerNormal = 1.0F / FieldNode::kUnitsPerNormal;
+      x *= kPerNormal;
+      y *= kPerNormal;
+      z *= kPerNormal;
+      // Outside the grid the nearest node is farther than half a step.
+      const auto outside = max_of(max_of(pair.normal_x, -pair.normal_x),
+                                  max_of(max_of(pair.normal_y, -pair.normal_y),
+                                         max_of(pair.normal_z, -pair.normal_z))) > reach_mm;
+      distance = distance * (1.0F / FieldNode::kUnitsPerMm) + x * pair.normal_x +
+                 y * pair.normal_y + z * pair.normal_z;
+      distance = outside ? Lanes{} + kUnknownMm : distance;
       // The camera sees only what faces it: not the far side of a hand or head.
-      const bool compatible =
-          pair.sample.normal.dot(pair.p - camera) < 0.0F &&
-          pair.sample.normal.dot(rotation * moving.normal) >= rule.min_normal_cosine;
-      if (!compatible) continue;
-      pair.weight =
-          moving.weight * tukey_weight(distance_mm, distance_mm > 0.0F ? per_above : per_below);
+      const Lanes facing =
+          x * (pair.x - camera.x()) + y * (pair.y - camera.y()) + z * (pair.z - camera.z());
+      const Lanes along =
+          x * (r(0, 0) * moving.normal_x + r(0, 1) * moving.normal_y + r(0, 2) * moving.normal_z) +
+          y * (r(1, 0) * moving.normal_x + r(1, 1) * moving.normal_y + r(1, 2) * moving.normal_z) +
+          z * (r(2, 0) * moving.normal_x + r(2, 1) * moving.normal_y + r(2, 2) * moving.normal_z);
+      const Lanes kernel = tukey_weight(distance, distance > 0.0F ? per_above : per_below);
+      const auto compatible = (facing < 0.0F) & (along >= rule.min_normal_cosine);
+      pair.weight = compatible ? moving.weight * kernel : Lanes{};
+      pair.distance_mm = distance;
+      pair.normal_x = x;
+      pair.normal_y = y;
+      pair.normal_z = z;
     }
   }
 }
 
-void Linearizer::weigh_by_rows(std::span<const SensorPoint> points, float scale_mm) {
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (pairs_[i].weight <= 0.0F) continue;
-    const std::size_t end = std::min(points.size(), i + kRowReach + 1);
-    float sum = 0.0F;
-    float count = 0.0F;
-    for (std::size_t j = i - std::min(i, kRowReach); j < end; ++j) {
-      const float apart_sq_mm2 = (points[j].point - points[i].point).squaredNorm();
-      const float near = apart_sq_mm2 < kRowReachMm * kRowReachMm ? 1.0F : 0.0F;
-      sum += near * distances_mm_[j];
-      count += near;
+void Linearizer::weigh_by_rows(const SensorPoints& points, const PairingRule& rule) {
+  row_sums_mm_.resize(points.groups.size() * kLanes + 1);
+  std::size_t i = 0;
+  double sum_mm = 0.0;
+  for (const PairLanes& pair : pairs_) {
+    const Lanes above = Lanes{} + rule.above_scale_mm;
+    const Lanes known = pair.distance_mm <= kUnknownMm ? above : pair.distance_mm;
+    const Lanes cut = min_of(max_of(known, Lanes{} - rule.below_scale_mm), above);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      row_sums_mm_[i++] = sum_mm;
+      sum_mm += static_cast<double>(cut[lane]);
     }
-    pairs_[i].weight *= tukey_weight(sum / count, 1.0F / scale_mm);
+  }
+  row_sums_mm_[i] = sum_mm;
+  i = 0;
+  for (PairLanes& pair : pairs_) {
+    Lanes mean_mm = {};
+    for (int lane = 0; lane < kLanes && i < points.size; ++lane, ++i) {
+      const RowReach& row = points.rows[i];
+      const auto sum =
+          static_cast<float>(row_sums_mm_[i + row.after + 1] - row_sums_mm_[i - row.before]);
+      mean_mm[lane] = sum / static_cast<float>(row.before + row.after + 1);
+    }
+    pair.weight *= tukey_weight(mean_mm, Lanes{} + 1.0F / rule.row_scale_mm);
   }
 }
 
 NormalEquations Linearizer::linearize(const FieldLevel& level,
-                                      std::span<const SensorPoint> points,
+                                      const SensorPoints& points,
                                       const Eigen::Isometry3d& fixed_from_moving,
                                       const Eigen::Vector3d& pivot,
                                       const PairingRule& rule) {
   find_pairs(level, points, fixed_from_moving.cast<float>(), rule);
-  if (rule.row_scale_mm > 0.0F) weigh_by_rows(points, rule.row_scale_mm);
-  const Eigen::Vector3f pivot_f = pivot.cast<float>();
-  BlockSums sums;
-  for (const Pair& pair : pairs_) {
-    if (pair.weight <= 0.0F) continue;
-    sums.add(pair.p - pivot_f, pair.sample.normal, pair.sample.distance_mm, pair.weight);
+  if (rule.row_scale_mm > 0.0F) weigh_by_rows(points, rule);
+  const Eigen::Vector3f pivot_mm = pivot.cast<float>();
+  Sums sums;
+  IntLanes num_pairs = {};
+  IntLanes num_near = {};
+  IntLanes num_below = {};
+  for (const PairLanes& pair : pairs_) {
+    sums.add(pair.x - pivot_mm.x(),
+             pair.y - pivot_mm.y(),
+             pair.z - pivot_mm.z(),
+             pair.normal_x,
+             pair.normal_y,
+             pair.normal_z,
+             pair.distance_mm,
+             pair.weight);
+    // A mask's lanes are -1 where it holds.
+    num_pairs -= pair.weight > 0.0F;
+    num_near -= (pair.distance_mm <= kNearMm) & (pair.distance_mm >= -kNearMm);
+    num_below -= (pair.distance_mm < -kNearMm) & (pair.distance_mm > kUnknownMm);
   }
-  return sums.finish();
+  const Eigen::Matrix<double, 8, 8> all = sums.finish();
+  NormalEquations equations;
+  equations.information = all.topLeftCorner<6, 6>();
+  equations.gradient = all.block<6, 1>(0, 6);
+  equations.sum_weighted_sq = all(6, 6);
+  equations.sum_weights = all(7, 7);
+  for (int i = 0; i < kLanes; ++i) {
+    equations.num_pairs += num_pairs[i];
+    equations.num_near += num_near[i];
+    equations.num_below += num_below[i];
+  }
+  return equations;
 }
 
 }  // namespace mor::internal

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -36,35 +35,37 @@ struct NormalEquations {
   double sum_weights = 0.0;
   double sum_weighted_sq = 0.0;  ///< sum w d^2.
   int num_pairs = 0;
+  int num_near = 0;   ///< Points within 5 mm of the skin, pairs or not.
+  int num_below = 0;  ///< Points farther than that below the skin: seen through it.
 };
 
 /// Pairs points with the field; keeps its buffers between calls, so one thread at a time.
 class Linearizer {
  public:
-  /// @param points  In the picture's order where the rule looks at rows.
   /// @param pivot  Of the rotation, frame ct.
   [[nodiscard]] NormalEquations linearize(const FieldLevel& level,
-                                          std::span<const SensorPoint> points,
+                                          const SensorPoints& points,
                                           const Eigen::Isometry3d& fixed_from_moving,
                                           const Eigen::Vector3d& pivot,
                                           const PairingRule& rule);
 
  private:
-  /// A moving point in the CT with what the field says there.
-  struct Pair {
-    Eigen::Vector3f p;
-    FieldSample sample;
-    float weight = 0.0F;  ///< 0: not a pair.
+  /// Moving points in the CT with what the field says there.
+  struct PairLanes {
+    Lanes x, y, z;
+    Lanes normal_x, normal_y, normal_z;  ///< Of the skin; before that, offsets from the nodes.
+    Lanes distance_mm;
+    Lanes weight;  ///< 0: not a pair.
   };
 
   void find_pairs(const FieldLevel& level,
-                  std::span<const SensorPoint> points,
+                  const SensorPoints& points,
                   const Eigen::Isometry3f& fixed_from_moving,
                   const PairingRule& rule);
-  void weigh_by_rows(std::span<const SensorPoint> points, float scale_mm);
+  void weigh_by_rows(const SensorPoints& points, const PairingRule& rule);
 
-  std::vector<Pair> pairs_;
-  std::vector<float> distances_mm_;  ///< Of each point, cut to the rule's scales.
+  std::vector<PairLanes> pairs_;
+  std::vector<double> row_sums_mm_;  ///< Of the distances of all points before one.
 };
 
 }  // namespace mor::internal

@@ -12,26 +12,78 @@ namespace {
 constexpr float kGrazingCosine = 0.17F;  // 80 degrees
 constexpr float kFrontalCosine = 0.42F;  // 65 degrees
 
-}  // namespace
+/// How many neighbours a row reaches to either side, and the widest gap it goes over.
+constexpr std::size_t kRowReach = 3;
+constexpr float kRowGapMm = 15.0F;
 
-float axial_noise_mm(float z_mm) {
-  const float beyond_m = z_mm * 1e-3F - 0.4F;
+template <class Number>
+Number noise_mm_at(const Number& z_mm) {
+  const Number beyond_m = z_mm * 1e-3F - 0.4F;
   return 1.2F + 1.9F * beyond_m * beyond_m;
 }
 
-std::vector<SensorPoint> weighted_points(const PointCloud& moving, std::size_t stride) {
-  std::vector<SensorPoint> points;
-  points.reserve(moving.size() / stride + 1);
-  for (std::size_t i = 0; i < moving.size(); i += stride) {
-    const Eigen::Vector3f& point = moving.points[i];
-    const Eigen::Vector3f& normal = moving.normals[i];
-    const float cosine = -normal.dot(point) / point.norm();
-    const float trust =
-        std::min(1.0F, (cosine - kGrazingCosine) / (kFrontalCosine - kGrazingCosine));
-    if (!(trust > 0.0F)) continue;
-    const float noise_mm = axial_noise_mm(point.z());
-    points.push_back({point, normal, trust / (noise_mm * noise_mm)});
+void weigh(PointLanes& p) {
+  const Lanes range_sq = p.x * p.x + p.y * p.y + p.z * p.z;
+  Lanes range = {};
+  for (int i = 0; i < kLanes; ++i) range[i] = std::sqrt(range_sq[i]);
+  const Lanes cosine = -(p.normal_x * p.x + p.normal_y * p.y + p.normal_z * p.z) / range;
+  const Lanes trust =
+      min_of((cosine - kGrazingCosine) / (kFrontalCosine - kGrazingCosine), Lanes{} + 1.0F);
+  const Lanes noise_mm = noise_mm_at(p.z);
+  // Written so that a point at the camera itself has none.
+  p.weight = trust > 0.0F ? trust / (noise_mm * noise_mm) : Lanes{};
+}
+
+/// Counts, for each point, its unbroken neighbours: first forwards, then backwards.
+void find_rows(const PointCloud& moving,
+               const std::vector<std::uint32_t>& taken,
+               std::vector<RowReach>& rows) {
+  rows.resize(taken.size());
+  for (std::size_t i = 1; i < taken.size(); ++i) {
+    const Eigen::Vector3f gap = moving.points[taken[i]] - moving.points[taken[i - 1]];
+    if (gap.squaredNorm() > kRowGapMm * kRowGapMm) continue;
+    rows[i].before = static_cast<std::uint8_t>(
+        std::min<std::size_t>(kRowReach, static_cast<std::size_t>(rows[i - 1].before) + 1));
+    rows[i - 1].after = 1;
   }
+  for (std::size_t i = taken.size(); i-- > 1;) {
+    if (rows[i - 1].after == 0) continue;
+    rows[i - 1].after = static_cast<std::uint8_t>(
+        std::min<std::size_t>(kRowReach, static_cast<std::size_t>(rows[i].after) + 1));
+  }
+}
+
+}  // namespace
+
+float axial_noise_mm(float z_mm) {
+  return noise_mm_at(z_mm);
+}
+
+SensorPoints take_points(const PointCloud& moving, std::size_t run_length, std::size_t stride) {
+  SensorPoints points;
+  points.stride = stride;
+  std::vector<std::uint32_t> taken;
+  taken.reserve(moving.size() / stride + run_length);
+  for (std::size_t run = 0; run < moving.size(); run += run_length * stride) {
+    const std::size_t end = std::min(run + run_length, moving.size());
+    for (std::size_t i = run; i < end; ++i) taken.push_back(static_cast<std::uint32_t>(i));
+  }
+  points.size = taken.size();
+  points.groups.assign((taken.size() + kLanes - 1) / kLanes, PointLanes{});
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    PointLanes& group = points.groups[i / kLanes];
+    const auto lane = static_cast<int>(i % kLanes);
+    const Eigen::Vector3f& point = moving.points[taken[i]];
+    const Eigen::Vector3f& normal = moving.normals[taken[i]];
+    group.x[lane] = point.x();
+    group.y[lane] = point.y();
+    group.z[lane] = point.z();
+    group.normal_x[lane] = normal.x();
+    group.normal_y[lane] = normal.y();
+    group.normal_z[lane] = normal.z();
+  }
+  for (auto& group : points.groups) weigh(group);
+  find_rows(moving, taken, points.rows);
   return points;
 }
 

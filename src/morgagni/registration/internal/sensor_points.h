@@ -2,27 +2,45 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "morgagni/geometry/point_cloud.h"
+#include "morgagni/registration/internal/lanes.h"
 
 namespace mor::internal {
 
-/// A point of the moving surface with what the sensor's noise model says of it.
-struct SensorPoint {
-  Eigen::Vector3f point;   ///< mm, frame depth.
-  Eigen::Vector3f normal;  ///< Towards the camera.
-  float weight;            ///< 1 / variance of the distance measured along the normal, 1/mm^2.
+/// Points of the moving surface with what the sensor's noise model says of them. Frame depth, mm.
+struct PointLanes {
+  Lanes x, y, z;
+  Lanes normal_x, normal_y, normal_z;  ///< Towards the camera.
+  /// 1 / variance of the distance measured along the normal, 1/mm^2. 0: not to be trusted, as it is
+  /// seen at a grazing angle, or no point at all.
+  Lanes weight;
+};
+
+/// The points before and after a point in the picture's row that are averaged with it.
+struct RowReach {
+  std::uint8_t before = 0;
+  std::uint8_t after = 0;
+};
+
+/// Some points of the moving surface, in the picture's order.
+struct SensorPoints {
+  std::vector<PointLanes> groups;  ///< The last one is filled up with points of no weight.
+  std::vector<RowReach> rows;      ///< One a point.
+  std::size_t size = 0;
+  std::size_t stride = 1;  ///< Each stands for so many readings.
 };
 
 /// Standard deviation of a Kinect's depth at distance `z_mm`: Nguyen, Izadi & Lovell, "Modeling
 /// Kinect sensor noise for improved 3D reconstruction and tracking", 3DIMPVT 2012.
 [[nodiscard]] float axial_noise_mm(float z_mm);
 
-/// Every `stride`-th point that can be trusted: those seen at a grazing angle are left out.
-[[nodiscard]] std::vector<SensorPoint> weighted_points(const PointCloud& moving,
-                                                       std::size_t stride);
+/// Takes runs of `run_length` points, and of the runs every `stride`-th.
+[[nodiscard]] SensorPoints take_points(const PointCloud& moving,
+                                       std::size_t run_length,
+                                       std::size_t stride);
 
 }  // namespace mor::internal
