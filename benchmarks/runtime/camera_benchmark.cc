@@ -55,6 +55,16 @@ void BM_SimulatedFrame(benchmark::State& state) {
 }
 BENCHMARK(BM_SimulatedFrame)->ArgName("noise")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 
+/// Everything in the way: hand, towel, parts, on a path and made anew for every view.
+void BM_ClutteredFrame(benchmark::State& state) {
+  const auto path = state.range(0) == 1 ? SimulatedPath::kViews : SimulatedPath::kOrbit;
+  const auto camera =
+      SimulatedCamera::create(torso(), {.path = path, .clutter = SimulatedClutter::kAll}).value();
+  std::uint64_t frame_id = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(camera->frame_at(frame_id++));
+}
+BENCHMARK(BM_ClutteredFrame)->ArgName("views")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+
 void BM_ReadRecordedFrame(benchmark::State& state) {
   const auto recording = TumRecording::open(MORGAGNI_DATA_DIR "/synthetic_rgbd/head_seq");
   if (!recording) {

@@ -5,10 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <spdlog/fmt/fmt.h>
-
+#include "morgagni/camera/internal/clutter.h"
+#include "morgagni/camera/internal/depth_bias.h"
 #include "morgagni/camera/internal/hand_path.h"
-#include "morgagni/camera/internal/key_values.h"
 #include "morgagni/camera/internal/kinect_noise.h"
 #include "morgagni/camera/internal/scene.h"
 #include "morgagni/camera/internal/view_places.h"
@@ -18,44 +17,8 @@ namespace mor {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using internal::KeyValue;
 
 constexpr double kFocalOfWidth = 525.0 / 640.0;
-constexpr std::uint64_t kMaxFrames = 1'000'000'000;
-
-Result<void> set(const KeyValue& pair, SimulatedCameraOptions& options) {
-  if (pair.key == "seed") {
-    MOR_TRY(options.seed, internal::parse_count(pair, 0, UINT64_MAX));
-  } else if (pair.key == "width") {
-    MOR_TRY(const auto width, internal::parse_count(pair, 64, 1920));
-    options.width_px = static_cast<int>(width);
-  } else if (pair.key == "height") {
-    MOR_TRY(const auto height, internal::parse_count(pair, 48, 1080));
-    options.height_px = static_cast<int>(height);
-  } else if (pair.key == "fps") {
-    MOR_TRY(options.frames_per_s, internal::parse_number(pair, 1.0, 120.0));
-  } else if (pair.key == "distance") {
-    MOR_TRY(options.distance_mm, internal::parse_number(pair, 400.0, 1500.0));
-  } else if (pair.key == "path") {
-    MOR_TRY(const auto choice, internal::parse_choice(pair, {"orbit", "sway", "still", "views"}));
-    options.path = static_cast<SimulatedPath>(choice);
-  } else if (pair.key == "noise") {
-    MOR_TRY(const auto choice, internal::parse_choice(pair, {"0", "1"}));
-    options.has_noise = choice == 1;
-  } else if (pair.key == "frames") {
-    MOR_TRY(options.num_frames, internal::parse_count(pair, 0, kMaxFrames));
-  } else if (pair.key == "speed") {
-    MOR_TRY(const auto choice, internal::parse_choice(pair, {"real", "full"}));
-    options.is_real_time = choice == 0;
-  } else {
-    return internal::unknown_key(
-        "simulated",
-        pair,
-        {"seed", "width", "height", "fps", "distance", "path", "noise", "frames", "speed"});
-  }
-  return {};
-}
-
 PinholeCamera pinhole(const SimulatedCameraOptions& options) {
   const double focal_px = kFocalOfWidth * options.width_px;
   return {.width_px = options.width_px,
@@ -64,6 +27,15 @@ PinholeCamera pinhole(const SimulatedCameraOptions& options) {
           .focal_y_px = focal_px,
           .center_x_px = 0.5 * (options.width_px - 1),
           .center_y_px = 0.5 * (options.height_px - 1)};
+}
+
+/// What the camera says of itself: the truth, but for the error asked for.
+std::shared_ptr<const RgbdCalibration> stated_calibration(PinholeCamera camera,
+                                                          double focal_error_percent) {
+  camera.focal_x_px *= 1.0 + 0.01 * focal_error_percent;
+  camera.focal_y_px *= 1.0 + 0.01 * focal_error_percent;
+  return std::make_shared<const RgbdCalibration>(
+      RgbdCalibration{camera, camera, Eigen::Isometry3d::Identity()});
 }
 
 /// Far enough for the body to fill at most three quarters of the picture, and never nearer than the
@@ -106,47 +78,37 @@ Image<std::uint16_t> rounded(const Image<float>& depth_mm) {
   return result;
 }
 
-tl::unexpected<Error> outside(std::string_view what, double value, double least, double most) {
-  return make_error(ErrorCode::kInvalidArgument,
-                    fmt::format("{} must be in [{}, {}], got {}", what, least, most, value));
-}
-
 }  // namespace
 
-Result<SimulatedCameraOptions> SimulatedCameraOptions::parse(std::string_view text) {
-  SimulatedCameraOptions options;
-  MOR_TRY(const auto pairs, internal::split_key_values(text));
-  for (const auto& pair : pairs) MOR_CHECK(set(pair, options));
-  return options;
-}
-
-Result<void> SimulatedCameraOptions::check() const {
-  if (width_px < 64 || width_px > 1920) return outside("width", width_px, 64, 1920);
-  if (height_px < 48 || height_px > 1080) return outside("height", height_px, 48, 1080);
-  if (!(frames_per_s >= 1.0 && frames_per_s <= 120.0)) return outside("fps", frames_per_s, 1, 120);
-  if (distance_mm && !(*distance_mm >= 400.0 && *distance_mm <= 1500.0)) {
-    return outside("distance", *distance_mm, 400, 1500);
-  }
-  return {};
-}
-
 struct SimulatedCamera::Impl {
-  Impl(std::shared_ptr<const TriangleMesh> skin, const SimulatedCameraOptions& chosen)
+  Impl(const std::shared_ptr<const TriangleMesh>& skin, const SimulatedCameraOptions& chosen)
       : options(chosen),
         camera(pinhole(chosen)),
-        calibration(std::make_shared<const RgbdCalibration>(
-            RgbdCalibration{camera, camera, Eigen::Isometry3d::Identity()})),
+        calibration(stated_calibration(camera, chosen.focal_error_percent)),
         path(skin->bounds(),
              chosen.distance_mm.value_or(fitting_distance_mm(skin->bounds(), camera)),
              chosen.path,
              chosen.seed),
         views(skin, chosen.distance_mm, chosen.seed),
-        scene(std::move(skin), camera, chosen.seed),
-        noise(camera.focal_x_px, chosen.seed) {}
+        scene(*skin, camera, chosen.seed),
+        noise(camera.focal_x_px, chosen.seed) {
+    if (chosen.bias_mm > 0.0) {
+      bias.emplace(chosen.width_px, chosen.height_px, chosen.bias_mm, chosen.seed);
+    }
+    if (chosen.clutter == SimulatedClutter::kNone) return;
+    clutter.emplace(*skin,
+                    scene.table_top_mm(),
+                    chosen.clutter,
+                    chosen.path == SimulatedPath::kViews,
+                    chosen.seed);
+  }
 
+  [[nodiscard]] double time_s(std::uint64_t frame_id) const {
+    return static_cast<double>(frame_id) / options.frames_per_s;
+  }
   [[nodiscard]] Clock::duration since_start(std::uint64_t frame_id) const {
     return std::chrono::duration_cast<Clock::duration>(
-        std::chrono::duration<double>(static_cast<double>(frame_id) / options.frames_per_s));
+        std::chrono::duration<double>(time_s(frame_id)));
   }
 
   SimulatedCameraOptions options;
@@ -155,6 +117,8 @@ struct SimulatedCamera::Impl {
   internal::HandPath path;
   internal::ViewPlaces views;
   internal::Scene scene;
+  std::optional<internal::Clutter> clutter;
+  std::optional<internal::DepthBias> bias;
   internal::KinectNoise noise;
   std::uint64_t next_id = 0;
   std::optional<Clock::time_point> started_at;
@@ -171,7 +135,7 @@ Result<std::unique_ptr<SimulatedCamera>> SimulatedCamera::create(
                       "the simulated camera needs a case with a skin surface to look at");
   }
   return std::unique_ptr<SimulatedCamera>(
-      new SimulatedCamera(std::make_unique<Impl>(std::move(skin), options)));
+      new SimulatedCamera(std::make_unique<Impl>(skin, options)));
 }
 
 const RgbdCalibration& SimulatedCamera::calibration() const {
@@ -180,11 +144,14 @@ const RgbdCalibration& SimulatedCamera::calibration() const {
 
 Eigen::Isometry3d SimulatedCamera::ct_from_camera(std::uint64_t frame_id) const {
   if (impl_->options.path == SimulatedPath::kViews) return impl_->views.ct_from_camera(frame_id);
-  return impl_->path.ct_from_camera(static_cast<double>(frame_id) / impl_->options.frames_per_s);
+  return impl_->path.ct_from_camera(impl_->time_s(frame_id));
 }
 
 std::shared_ptr<RgbdFrame> SimulatedCamera::draw(std::uint64_t frame_id) const {
-  auto picture = impl_->scene.draw(ct_from_camera(frame_id));
+  const auto things = impl_->clutter ? impl_->clutter->at(frame_id, impl_->time_s(frame_id))
+                                     : internal::PaintedMesh{};
+  auto picture = impl_->scene.draw(ct_from_camera(frame_id), things);
+  if (impl_->bias) impl_->bias->apply(picture.depth.z_mm);
   auto frame = std::make_shared<RgbdFrame>();
   frame->frame_id = frame_id;
   frame->calibration = impl_->calibration;

@@ -20,6 +20,16 @@ enum class SimulatedPath : std::uint8_t {
   kViews,  ///< No path: each frame from a random place of its own (internal/view_places.h).
 };
 
+/// What the camera sees and the CT does not have, in depth and colour. Made anew for every frame of
+/// `path=views`; on a path it is one arrangement, in which the hand moves slowly.
+enum class SimulatedClutter : std::uint8_t {
+  kNone,
+  kHand,   ///< A gloved hand with its forearm rests on the body or hovers over it.
+  kTowel,  ///< A draped towel covers part of the body.
+  kParts,  ///< The body goes on where the CT ends; a tray, a bottle and blocks lie beside it.
+  kAll,
+};
+
 /// What `simulated:key=value,...` sets; the keys stand in brackets.
 struct SimulatedCameraOptions {
   std::uint64_t seed = 1;      ///< [seed] Path, noise and looks. The same seed, the same frames.
@@ -31,9 +41,14 @@ struct SimulatedCameraOptions {
                      ///< 400..1500; by default far enough for the body to fit. With path=views
                      ///< to the skin looked at, by default 500..1200 at random.
   SimulatedPath path = SimulatedPath::kOrbit;  ///< [path] orbit | sway | still | views.
-  bool has_noise = true;         ///< [noise] 0 | 1: Kinect v1 depth noise and grain in colour.
-  std::uint64_t num_frames = 0;  ///< [frames] The camera ends after so many; 0: never.
-  bool is_real_time = true;      ///< [speed] real | full: paced by the clock, or as fast as asked.
+  SimulatedClutter clutter =
+      SimulatedClutter::kNone;  ///< [clutter] none | hand | towel | parts | all.
+  double bias_mm = 0.0;  ///< [bias] 0..20: systematic depth error, root mean square at 800 mm, of a
+                         ///< smooth seeded shape (internal/depth_bias.h). 0: none.
+  double focal_error_percent = 0.0;  ///< [focal] -5..5: the calibration says so much too long.
+  bool has_noise = true;             ///< [noise] 0 | 1: Kinect v1 depth noise and grain in colour.
+  std::uint64_t num_frames = 0;      ///< [frames] The camera ends after so many; 0: never.
+  bool is_real_time = true;  ///< [speed] real | full: paced by the clock, or as fast as asked.
 
   [[nodiscard]] static Result<SimulatedCameraOptions> parse(std::string_view text);
   /// @errors kInvalidArgument: a value outside its limits.

@@ -47,7 +47,8 @@ std::unique_ptr<SimulatedCamera> open(const SimulatedCameraOptions& options) {
 
 TEST(SimulatedCameraOptions, ReadEveryKey) {
   const auto options = SimulatedCameraOptions::parse(
-      "seed=7,width=320,height=240,fps=15,distance=650,path=sway,noise=0,frames=9,speed=full");
+      "seed=7,width=320,height=240,fps=15,distance=650,path=sway,clutter=towel,bias=2.5,focal=-1,"
+      "noise=0,frames=9,speed=full");
   ASSERT_TRUE(options) << options.error().message;
   EXPECT_EQ(options->seed, 7U);
   EXPECT_EQ(options->width_px, 320);
@@ -55,6 +56,9 @@ TEST(SimulatedCameraOptions, ReadEveryKey) {
   EXPECT_EQ(options->frames_per_s, 15.0);
   EXPECT_EQ(options->distance_mm, 650.0);
   EXPECT_EQ(options->path, SimulatedPath::kSway);
+  EXPECT_EQ(options->clutter, SimulatedClutter::kTowel);
+  EXPECT_EQ(options->bias_mm, 2.5);
+  EXPECT_EQ(options->focal_error_percent, -1.0);
   EXPECT_FALSE(options->has_noise);
   EXPECT_EQ(options->num_frames, 9U);
   EXPECT_FALSE(options->is_real_time);
@@ -76,6 +80,11 @@ TEST(SimulatedCameraOptions, NameTheBadKeyOrValueAndWhatIsAllowed) {
   EXPECT_THAT(error_of("fps=0"), HasSubstr("fps must be in"));
   EXPECT_THAT(error_of("distance=60 cm"), HasSubstr("distance must be in"));
   EXPECT_THAT(error_of("path=spiral"), HasSubstr("one of orbit, sway, still, views, got 'spiral'"));
+  EXPECT_THAT(error_of("clutter=cat"),
+              HasSubstr("one of none, hand, towel, parts, all, got 'cat'"));
+  EXPECT_THAT(error_of("bias=-1"), HasSubstr("bias must be in [0, 20], got '-1'"));
+  EXPECT_THAT(error_of("bias=inf"), HasSubstr("bias must be in"));
+  EXPECT_THAT(error_of("focal=6"), HasSubstr("focal must be in [-5, 5], got '6'"));
   EXPECT_THAT(error_of("noise=yes"), HasSubstr("noise must be one of 0, 1"));
   EXPECT_THAT(error_of("speed=fast"), HasSubstr("real, full"));
 }
@@ -87,6 +96,9 @@ TEST(SimulatedCamera, NeedsASkinAndGoodOptions) {
   EXPECT_THAT(SimulatedCamera::create(head(), {.width_px = 1}).error().message, HasSubstr("width"));
   EXPECT_THAT(SimulatedCamera::create(head(), {.frames_per_s = NAN}).error().message,
               HasSubstr("fps"));
+  EXPECT_THAT(SimulatedCamera::create(head(), {.bias_mm = NAN}).error().message, HasSubstr("bias"));
+  EXPECT_THAT(SimulatedCamera::create(head(), {.focal_error_percent = 9.0}).error().message,
+              HasSubstr("focal"));
 }
 
 TEST(SimulatedCamera, SeesTheSkinWhereTheTruthPutsIt) {
@@ -111,6 +123,50 @@ TEST(SimulatedCamera, SeesTheSkinWhereTheTruthPutsIt) {
     }
     EXPECT_GT(num_on_skin, 300);
   }
+}
+
+TEST(SimulatedCamera, SeesClutterInFrontOfWhatItHides) {
+  const auto plain = open({.path = SimulatedPath::kViews, .has_noise = false});
+  for (const auto kind :
+       {SimulatedClutter::kHand, SimulatedClutter::kTowel, SimulatedClutter::kAll}) {
+    const auto cluttered =
+        open({.path = SimulatedPath::kViews, .clutter = kind, .has_noise = false});
+    int num_hidden = 0;
+    for (std::uint64_t id = 0; id < 4; ++id) {
+      ASSERT_TRUE(plain->ct_from_camera(id).isApprox(cluttered->ct_from_camera(id), 0.0));
+      const auto without = plain->frame_at(id);
+      const auto with = cluttered->frame_at(id);
+      for (std::size_t i = 0; i < with->depth_mm.size(); ++i) {
+        const int before_mm = without->depth_mm.data()[i];
+        const int now_mm = with->depth_mm.data()[i];
+        if (now_mm == before_mm) continue;
+        ASSERT_TRUE(before_mm == 0 || now_mm < before_mm);
+        num_hidden += without->color.data()[i] == with->color.data()[i] ? 0 : 1;
+      }
+    }
+    EXPECT_GT(num_hidden, 4000) << static_cast<int>(kind);
+  }
+}
+
+TEST(SimulatedCamera, BendsDepthByItsBiasAndNothingElse) {
+  const auto plain = open({.has_noise = false});
+  const auto biased = open({.bias_mm = 4.0, .has_noise = false});
+  const auto without = plain->frame_at(0);
+  const auto with = biased->frame_at(0);
+  EXPECT_EQ(without->color, with->color);
+  double squares = 0.0;
+  for (std::size_t i = 0; i < with->depth_mm.size(); ++i) {
+    const double z_mm = without->depth_mm.data()[i];
+    const double error_mm = (with->depth_mm.data()[i] - z_mm) * 800.0 / z_mm;
+    squares += error_mm * error_mm;
+  }
+  EXPECT_NEAR(std::sqrt(squares / static_cast<double>(with->depth_mm.size())), 4.0, 0.1);
+}
+
+TEST(SimulatedCamera, StatesAFocalLengthThatIsOffWhenAsked) {
+  const auto camera = open({.focal_error_percent = 2.0, .has_noise = false});
+  EXPECT_NEAR(camera->calibration().depth.focal_x_px, 525.0 * 1.02, 1e-9);
+  EXPECT_EQ(camera->frame_at(0)->depth_mm, open({.has_noise = false})->frame_at(0)->depth_mm);
 }
 
 TEST(SimulatedCamera, StandsStillWhereAskedTo) {

@@ -41,6 +41,23 @@ constexpr double to_unit(std::uint64_t bits) {
   return static_cast<double>(bits >> 11U) * 0x1.0p-53;
 }
 
+/// A few draws in order, from a counter of their own.
+class Draws {
+ public:
+  explicit Draws(std::uint64_t counter) : counter_(counter) {}
+  /// Even over [least, most).
+  double operator()(double least, double most) {
+    return least + (most - least) * to_unit(scramble(counter_++));
+  }
+  /// Even over 0..count - 1.
+  std::size_t choice(std::size_t count) {
+    return static_cast<std::size_t>(to_unit(scramble(counter_++)) * static_cast<double>(count));
+  }
+
+ private:
+  std::uint64_t counter_;
+};
+
 /// The quantiles of the normal distribution at 4096 even steps: 12 random bits look up one draw.
 class NormalTable {
  public:

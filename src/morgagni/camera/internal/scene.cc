@@ -18,7 +18,6 @@ constexpr float kPoresPerMm = 0.8F;
 constexpr float kAmbient = 0.34F;
 constexpr float kLamp = 0.50F;  ///< At the camera.
 constexpr float kCeiling = 0.30F;
-constexpr float kGloss = 26.0F;
 constexpr int kGlossPower = 24;
 
 std::uint8_t to_byte(float value) {
@@ -27,22 +26,6 @@ std::uint8_t to_byte(float value) {
 
 std::uint8_t to_facing(float cosine) {
   return static_cast<std::uint8_t>(std::clamp(255.0F * std::abs(cosine) + 0.5F, 0.0F, 255.0F));
-}
-
-/// Skin is not one colour: it is redder in wide soft patches, paler in others, with a few moles.
-std::vector<Vector3f> paint_skin(const TriangleMesh& skin, std::uint64_t seed) {
-  std::vector<Vector3f> albedo;
-  albedo.reserve(skin.vertices.size());
-  for (const auto& p : skin.vertices) {
-    const float wide = smooth_noise(p.x() / 46.0F, p.y() / 46.0F, p.z() / 46.0F, seed + 11) - 0.5F;
-    const float fine = smooth_noise(p.x() / 11.0F, p.y() / 11.0F, p.z() / 11.0F, seed + 12) - 0.5F;
-    const float spot = smooth_noise(p.x() / 7.0F, p.y() / 7.0F, p.z() / 7.0F, seed + 13);
-    const float mole = 1.0F - 0.10F * std::clamp((spot - 0.84F) / 0.08F, 0.0F, 1.0F);
-    albedo.emplace_back(mole * (226.0F + 16.0F * wide + 12.0F * fine),
-                        mole * (176.0F - 22.0F * wide + 8.0F * fine),
-                        mole * (150.0F - 26.0F * wide + 6.0F * fine));
-  }
-  return albedo;
 }
 
 /// Fine grain that repeats every 80 mm, which no eye finds.
@@ -80,15 +63,10 @@ float power(float base, int exponent) {
 
 }  // namespace
 
-Scene::Scene(std::shared_ptr<const TriangleMesh> skin,
-             const PinholeCamera& camera,
-             std::uint64_t seed)
-    : skin_(std::move(skin)),
-      camera_(camera),
-      table_(*skin_, seed),
-      normals_(skin_->normals.size() == skin_->vertices.size() ? skin_->normals
-                                                               : vertex_normals(*skin_)),
-      albedo_(paint_skin(*skin_, seed)),
+Scene::Scene(const TriangleMesh& skin, const PinholeCamera& camera, std::uint64_t seed)
+    : camera_(camera),
+      table_(skin, seed),
+      skin_(painted_as_skin(skin, seed)),
       pores_(make_pores(seed)),
       inverse_ray_length_(camera.width_px, camera.height_px) {
   for (int y = 0; y < camera.height_px; ++y) {
@@ -99,7 +77,10 @@ Scene::Scene(std::shared_ptr<const TriangleMesh> skin,
   }
 }
 
-std::vector<Scene::Lit> Scene::light(const Eigen::Isometry3d& ct_from_camera) const {
+std::vector<Scene::Lit> Scene::light(const PaintedMesh& surface,
+                                     const Eigen::Isometry3d& ct_from_camera,
+                                     const ShadeMap& shade) const {
+  const auto& [mesh, albedo, gloss] = surface;
   const Eigen::Isometry3f camera_from_ct = ct_from_camera.inverse().cast<float>();
   const Vector3f eye = ct_from_camera.translation().cast<float>();
   const Vector3f ceiling = Vector3f(-0.45F, -0.80F, 0.40F).normalized();
@@ -107,30 +88,49 @@ std::vector<Scene::Lit> Scene::light(const Eigen::Isometry3d& ct_from_camera) co
   const auto fy = static_cast<float>(camera_.focal_y_px);
   const auto cx = static_cast<float>(camera_.center_x_px);
   const auto cy = static_cast<float>(camera_.center_y_px);
-  std::vector<Lit> lit(skin_->vertices.size());
+  std::vector<Lit> lit(mesh.vertices.size());
   for (std::size_t i = 0; i < lit.size(); ++i) {
-    const Vector3f p = camera_from_ct * skin_->vertices[i];
-    const Vector3f to_eye = (eye - skin_->vertices[i]).normalized();
-    const float facing = normals_[i].dot(to_eye);
-    const float ceiling_facing = normals_[i].dot(ceiling);
-    const float shade =
-        kAmbient + kLamp * std::max(facing, 0.0F) + kCeiling * std::max(ceiling_facing, 0.0F);
+    const Vector3f p = camera_from_ct * mesh.vertices[i];
+    const Vector3f to_eye = (eye - mesh.vertices[i]).normalized();
+    const float facing = mesh.normals[i].dot(to_eye);
+    const float ceiling_facing = mesh.normals[i].dot(ceiling);
+    const float brightness =
+        shade.light(mesh.vertices[i]) *
+        (kAmbient + kLamp * std::max(facing, 0.0F) + kCeiling * std::max(ceiling_facing, 0.0F));
     const Vector3f halfway = (to_eye + ceiling).normalized();
-    const float gloss = kGloss * power(std::max(normals_[i].dot(halfway), 0.0F), kGlossPower);
-    const Vector3f color = shade * albedo_[i] + Vector3f::Constant(gloss);
+    const float highlight =
+        gloss[i] * power(std::max(mesh.normals[i].dot(halfway), 0.0F), kGlossPower);
+    const Vector3f color = brightness * albedo[i] + Vector3f::Constant(highlight);
     lit[i] = {
         fx * p.x() / p.z() + cx, fy * p.y() / p.z() + cy, facing, color.x(), color.y(), color.z()};
   }
   return lit;
 }
 
-void Scene::draw_skin_pixel(const std::vector<Lit>& lit,
-                            std::uint32_t triangle,
-                            int x,
-                            int y,
-                            const Vector3f& at_ct,
-                            ScenePicture& picture) const {
-  const auto& corners = skin_->triangles[triangle];
+/// What of the surface is nearer than `depth_mm` has so far, which it then takes.
+Scene::Seen Scene::look_at(const PaintedMesh& surface,
+                           const Eigen::Isometry3d& ct_from_camera,
+                           const ShadeMap& shade,
+                           Image<float>& depth_mm) const {
+  DepthRaster raster = rasterize_depth(surface.mesh, camera_, ct_from_camera.inverse());
+  if (depth_mm.empty()) {
+    depth_mm = std::move(raster.depth_mm);
+  } else {
+    for (std::size_t i = 0; i < depth_mm.size(); ++i) {
+      const float here_mm = raster.depth_mm.data()[i];
+      float& nearest_mm = depth_mm.data()[i];
+      const bool is_nearest = here_mm > 0.0F && (nearest_mm == 0.0F || here_mm < nearest_mm);
+      nearest_mm = is_nearest ? here_mm : nearest_mm;
+      if (!is_nearest) raster.triangle_idx.data()[i] = DepthRaster::kNothing;
+    }
+  }
+  return {&surface.mesh, light(surface, ct_from_camera, shade), std::move(raster.triangle_idx)};
+}
+
+void Scene::draw_pixel(
+    const Seen& seen, int x, int y, const Vector3f& at_ct, ScenePicture& picture) const {
+  const auto& corners = seen.mesh->triangles[seen.triangle_idx(x, y)];
+  const auto& lit = seen.lit;
   const Lit& a = lit[corners[0]];
   const Lit& b = lit[corners[1]];
   const Lit& c = lit[corners[2]];
@@ -177,14 +177,52 @@ Rgb8 Scene::floor_color(const Vector3f& at_ct, float cosine) const {
                 static_cast<unsigned>(240.0F * (0.55F + 0.43F * cosine) * (1.0F + grain)));
 }
 
+/// One row of what no surface hides: table or floor; above the horizon, darkness.
+void Scene::draw_room_row(const RoomRow& room,
+                          const Vector3f& eye_ct,
+                          const Vector3f& row_ray,
+                          const Vector3f& step_x,
+                          int y,
+                          const Image<std::uint8_t>& surface,
+                          ScenePicture& picture) const {
+  const float to_table_mm = table_.top_mm() - eye_ct.y();
+  const float to_floor_mm = table_.floor_mm() - eye_ct.y();
+  const bool is_above_table = to_table_mm > 0.0F;
+  const auto wood = table_.picture();
+  const auto num_columns = static_cast<float>(wood.width());
+  const auto num_rows = static_cast<float>(wood.height());
+  const std::uint8_t* is_hidden = surface.view().row(y);
+  float* z_mm = picture.depth.z_mm.view().row(y);
+  std::uint8_t* facing = picture.depth.facing.view().row(y);
+  Rgb8* color = picture.color.view().row(y);
+  for (int x = 0; x < camera_.width_px; ++x) {
+    const float cosine = room.cosine[x];
+    if (is_hidden[x] != 0 || cosine <= 0.0F) continue;
+    const float column = room.table_column[x];
+    const float row = room.table_row[x];
+    const bool is_table = is_above_table & (column >= 0.0F) & (row >= 0.0F) &
+                          (column < num_columns) & (row < num_rows);
+    facing[x] = static_cast<std::uint8_t>(255.0F * cosine);
+    if (is_table) {
+      z_mm[x] = to_table_mm * room.per_fall[x];
+      color[x] = dimmed(wood(static_cast<int>(column), static_cast<int>(row)),
+                        static_cast<unsigned>(158.0F + 98.0F * cosine));
+    } else if (to_floor_mm > 0.0F) {
+      z_mm[x] = to_floor_mm * room.per_fall[x];
+      const Vector3f ray_ct = row_ray + static_cast<float>(x) * step_x;
+      color[x] = floor_color(eye_ct + z_mm[x] * ray_ct, cosine);
+    }
+  }
+}
+
 /// Samples at pixel centres leave stairs along the outline: there, and only there, neighbours mix.
-void Scene::soften_outline(const Image<std::uint8_t>& is_skin, Image<Rgb8>& color) const {
+void Scene::soften_outline(const Image<std::uint8_t>& surface, Image<Rgb8>& color) const {
   std::vector<std::pair<std::size_t, Rgb8>> softened;
   std::vector<std::uint8_t> is_outline(static_cast<std::size_t>(color.width()), 0);
   for (int y = 1; y + 1 < color.height(); ++y) {
-    const std::uint8_t* here = is_skin.view().row(y);
-    const std::uint8_t* above = is_skin.view().row(y - 1);
-    const std::uint8_t* below = is_skin.view().row(y + 1);
+    const std::uint8_t* here = surface.view().row(y);
+    const std::uint8_t* above = surface.view().row(y - 1);
+    const std::uint8_t* below = surface.view().row(y + 1);
     std::uint8_t* differs = is_outline.data();
     std::uint8_t any = 0;
     for (int x = 1; x + 1 < color.width(); ++x) {
@@ -213,21 +251,20 @@ void Scene::soften_outline(const Image<std::uint8_t>& is_skin, Image<Rgb8>& colo
   for (const auto& [index, mixed] : softened) color.data()[index] = mixed;
 }
 
-ScenePicture Scene::draw(const Eigen::Isometry3d& ct_from_camera) const {
-  DepthRaster raster = rasterize_depth(*skin_, camera_, ct_from_camera.inverse());
-  const auto lit = light(ct_from_camera);
+ScenePicture Scene::draw(const Eigen::Isometry3d& ct_from_camera, const PaintedMesh& things) const {
+  const bool has_things = !things.mesh.empty();
+  const ShadeMap shade = has_things ? ShadeMap(things.mesh) : ShadeMap();
+  ScenePicture picture{{{}, Image<std::uint8_t>(camera_.width_px, camera_.height_px, 0)},
+                       Image<Rgb8>(camera_.width_px, camera_.height_px)};
+  // The later one lies in front where both have a triangle.
+  std::vector<Seen> surfaces;
+  surfaces.push_back(look_at(skin_, ct_from_camera, shade, picture.depth.z_mm));
+  if (has_things) {
+    surfaces.push_back(look_at(things, ct_from_camera, shade, picture.depth.z_mm));
+  }
   const Eigen::Matrix3f rotation = ct_from_camera.linear().cast<float>();
   const Vector3f eye_ct = ct_from_camera.translation().cast<float>();
-  ScenePicture picture{
-      {std::move(raster.depth_mm), Image<std::uint8_t>(camera_.width_px, camera_.height_px, 0)},
-      Image<Rgb8>(camera_.width_px, camera_.height_px)};
-  Image<std::uint8_t> is_skin(camera_.width_px, camera_.height_px, 0);
-  const float to_table_mm = table_.top_mm() - eye_ct.y();
-  const float to_floor_mm = table_.floor_mm() - eye_ct.y();
-  const bool is_above_table = to_table_mm > 0.0F;
-  const auto wood = table_.picture();
-  const auto num_columns = static_cast<float>(wood.width());
-  const auto num_rows = static_cast<float>(wood.height());
+  Image<std::uint8_t> surface(camera_.width_px, camera_.height_px, 0);
   RoomRow room(camera_.width_px);
   const Vector3f step_x = rotation.col(0) * static_cast<float>(1.0 / camera_.focal_x_px);
   const Vector3f step_y = rotation.col(1) * static_cast<float>(1.0 / camera_.focal_y_px);
@@ -236,36 +273,27 @@ ScenePicture Scene::draw(const Eigen::Isometry3d& ct_from_camera) const {
   for (int y = 0; y < camera_.height_px; ++y) {
     const Vector3f row_ray = first_ray + static_cast<float>(y) * step_y;
     look_past_skin(y, eye_ct, row_ray, step_x, room);
-    float* z_mm = picture.depth.z_mm.view().row(y);
-    std::uint8_t* facing = picture.depth.facing.view().row(y);
-    Rgb8* color = picture.color.view().row(y);
-    const std::uint32_t* triangle = raster.triangle_idx.view().row(y);
-    for (int x = 0; x < camera_.width_px; ++x) {
-      if (triangle[x] != DepthRaster::kNothing) {
-        const Vector3f ray_ct = row_ray + static_cast<float>(x) * step_x;
-        draw_skin_pixel(lit, triangle[x], x, y, eye_ct + z_mm[x] * ray_ct, picture);
-        is_skin(x, y) = 1;
-        continue;
-      }
-      const float cosine = room.cosine[x];
-      if (cosine <= 0.0F) continue;  // Above the horizon: darkness.
-      const float column = room.table_column[x];
-      const float row = room.table_row[x];
-      const bool is_table = is_above_table & (column >= 0.0F) & (row >= 0.0F) &
-                            (column < num_columns) & (row < num_rows);
-      facing[x] = static_cast<std::uint8_t>(255.0F * cosine);
-      if (is_table) {
-        z_mm[x] = to_table_mm * room.per_fall[x];
-        color[x] = dimmed(wood(static_cast<int>(column), static_cast<int>(row)),
-                          static_cast<unsigned>(158.0F + 98.0F * cosine));
-      } else if (to_floor_mm > 0.0F) {
-        z_mm[x] = to_floor_mm * room.per_fall[x];
-        const Vector3f ray_ct = row_ray + static_cast<float>(x) * step_x;
-        color[x] = floor_color(eye_ct + z_mm[x] * ray_ct, cosine);
+    const float* z_mm = picture.depth.z_mm.view().row(y);
+    const auto at_ct = [&](int x) {
+      return Vector3f(eye_ct + z_mm[x] * (row_ray + static_cast<float>(x) * step_x));
+    };
+    for (const Seen& seen : surfaces) {
+      const std::uint32_t* triangle = seen.triangle_idx.view().row(y);
+      for (int x = 0; x < camera_.width_px; ++x) {
+        if (triangle[x] == DepthRaster::kNothing) continue;
+        draw_pixel(seen, x, y, at_ct(x), picture);
+        surface(x, y) = static_cast<std::uint8_t>(1 + (&seen - surfaces.data()));
       }
     }
+    draw_room_row(room, eye_ct, row_ray, step_x, y, surface, picture);
+    if (!has_things) continue;
+    for (int x = 0; x < camera_.width_px; ++x) {
+      if (surface(x, y) != 0 || z_mm[x] <= 0.0F) continue;
+      auto& color = picture.color(x, y);
+      color = dimmed(color, static_cast<unsigned>(256.0F * shade.light(at_ct(x))));
+    }
   }
-  soften_outline(is_skin, picture.color);
+  soften_outline(surface, picture.color);
   return picture;
 }
 

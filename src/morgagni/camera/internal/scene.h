@@ -3,13 +3,14 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
 #include "morgagni/camera/internal/kinect_noise.h"
+#include "morgagni/camera/internal/painted_mesh.h"
+#include "morgagni/camera/internal/shade_map.h"
 #include "morgagni/camera/internal/table.h"
 #include "morgagni/core/image.h"
 #include "morgagni/geometry/pinhole_camera.h"
@@ -22,18 +23,22 @@ struct ScenePicture {
   Image<Rgb8> color;
 };
 
-/// Draws a body on a table above a floor: a lamp at the camera, one on the ceiling, and the light
-/// of the room.
+/// Draws a body on a table above a floor, and what else lies there: a lamp at the camera, one on
+/// the ceiling, and the light of the room.
 class Scene {
  public:
   /// @param camera  Without lens distortion.
-  Scene(std::shared_ptr<const TriangleMesh> skin, const PinholeCamera& camera, std::uint64_t seed);
+  Scene(const TriangleMesh& skin, const PinholeCamera& camera, std::uint64_t seed);
 
+  /// @param things  Beside the body and the table; may be empty.
   /// @threads Safe to call from many at once.
-  [[nodiscard]] ScenePicture draw(const Eigen::Isometry3d& ct_from_camera) const;
+  [[nodiscard]] ScenePicture draw(const Eigen::Isometry3d& ct_from_camera,
+                                  const PaintedMesh& things) const;
+
+  [[nodiscard]] float table_top_mm() const { return table_.top_mm(); }
 
  private:
-  /// A skin vertex on the picture, lit.
+  /// A vertex on the picture, lit.
   struct Lit {
     float x_px;
     float y_px;
@@ -41,13 +46,21 @@ class Scene {
     float r, g, b;
   };
 
-  [[nodiscard]] std::vector<Lit> light(const Eigen::Isometry3d& ct_from_camera) const;
-  void draw_skin_pixel(const std::vector<Lit>& lit,
-                       std::uint32_t triangle,
-                       int x,
-                       int y,
-                       const Eigen::Vector3f& at_ct,
-                       ScenePicture& picture) const;
+  /// A surface as one picture has it.
+  struct Seen {
+    const TriangleMesh* mesh;
+    std::vector<Lit> lit;
+    Image<std::uint32_t> triangle_idx;
+  };
+  [[nodiscard]] std::vector<Lit> light(const PaintedMesh& surface,
+                                       const Eigen::Isometry3d& ct_from_camera,
+                                       const ShadeMap& shade) const;
+  [[nodiscard]] Seen look_at(const PaintedMesh& surface,
+                             const Eigen::Isometry3d& ct_from_camera,
+                             const ShadeMap& shade,
+                             Image<float>& depth_mm) const;
+  void draw_pixel(
+      const Seen& seen, int x, int y, const Eigen::Vector3f& at_ct, ScenePicture& picture) const;
   /// Where the rays of one row of pixels go past the skin.
   struct RoomRow {
     explicit RoomRow(int width)
@@ -67,15 +80,20 @@ class Scene {
                       const Eigen::Vector3f& first_ray_ct,
                       const Eigen::Vector3f& ray_step_ct,
                       RoomRow& row) const;
+  void draw_room_row(const RoomRow& room,
+                     const Eigen::Vector3f& eye_ct,
+                     const Eigen::Vector3f& row_ray,
+                     const Eigen::Vector3f& step_x,
+                     int y,
+                     const Image<std::uint8_t>& surface,
+                     ScenePicture& picture) const;
   [[nodiscard]] Rgb8 floor_color(const Eigen::Vector3f& at_ct, float cosine) const;
-  void soften_outline(const Image<std::uint8_t>& is_skin, Image<Rgb8>& color) const;
+  void soften_outline(const Image<std::uint8_t>& surface, Image<Rgb8>& color) const;
 
-  std::shared_ptr<const TriangleMesh> skin_;
   PinholeCamera camera_;
   Table table_;
-  std::vector<Eigen::Vector3f> normals_;
-  std::vector<Eigen::Vector3f> albedo_;  ///< One a vertex, 0..255.
-  std::vector<float> pores_;             ///< A cube of kPoreSide^3 brightness factors.
+  PaintedMesh skin_;
+  std::vector<float> pores_;  ///< A cube of kPoreSide^3 brightness factors.
   Image<float> inverse_ray_length_;
 };
 

@@ -22,19 +22,6 @@ constexpr double kMiddleShare = 0.5;
 constexpr double kLeastFacing = 0.2;
 constexpr int kMaxTries = 200;
 
-/// One frame's draws, in order.
-class Draws {
- public:
-  explicit Draws(std::uint64_t counter) : counter_(counter) {}
-  /// Even over [least, most).
-  double operator()(double least, double most) {
-    return least + (most - least) * to_unit(scramble(counter_++));
-  }
-
- private:
-  std::uint64_t counter_;
-};
-
 /// Even over the sphere's cap above the least elevation; up is -y.
 Vector3d draw_direction(Draws& draw) {
   const double up = draw(std::sin(ViewPlaces::kLeastElevationRad), 1.0);
@@ -97,7 +84,7 @@ std::optional<Vector3d> ViewPlaces::first_hit(const Vector3d& through,
 }
 
 Eigen::Isometry3d ViewPlaces::ct_from_camera(std::uint64_t frame_id) const {
-  Draws draw(scramble(scramble(seed_ ^ 0x5649455753ULL) ^ frame_id));
+  Draws draw(scramble(scramble(seed_ ^ 0x5649455753U) ^ frame_id));
   const Vector3d half = 0.5 * kMiddleShare * bounds_.sizes();
   Vector3d to_camera = -Vector3d::UnitY();
   std::optional<Vector3d> seen;
