@@ -31,6 +31,7 @@ for command in prepare serve record evaluate; do
   expect 0 "morgagni $command" "$command" --help
 done
 expect 0 "morgagni evaluate recording" evaluate recording --help
+expect 0 "morgagni evaluate starts" evaluate starts --help
 expect 2 "subcommand is required"
 expect 2 "subcommand is required" evaluate
 expect 2 "--case" prepare ct.nii
@@ -46,6 +47,7 @@ expect 1 "no such case folder" serve --case "$scratch/missing"
 expect 1 "--method must be field, icp, trimmed-icp, anisotropic-icp" serve --case "$scratch/missing" --method magic
 expect 1 "--start-side must be" serve --case "$scratch/missing" --start-side top
 expect 1 "no such case folder" evaluate recording "$scratch" --case "$scratch/missing" --truth t --targets t
+expect 1 "no such case folder" evaluate starts --case "$scratch/missing"
 expect 1 "no such case folder" record --case "$scratch/missing" --out "$scratch/r"
 [ ! -e "$scratch/case" ] || { echo "FAILED: a refused preparation left its folder"; failures=$((failures + 1)); }
 

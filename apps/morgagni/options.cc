@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "options.h"
 
+#include <string_view>
+
 #include <spdlog/fmt/fmt.h>
 
 #include "exit.h"
@@ -50,6 +52,17 @@ void add_registration_options(CLI::App& command, RegistrationOptions& options) {
           "Where the icp methods run: cpu, opencl (its first device) or a part of an OpenCL "
           "device's name; `morgagni doctor` lists them")
       ->capture_default_str();
+}
+
+Result<SimulatedCameraOptions> simulated_camera_option(const std::string& name) {
+  constexpr std::string_view kKind = "simulated:";
+  if (!name.starts_with(kKind)) {
+    return make_error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("--camera must be simulated:[key=value,...], whose truth is known, got \"{}\"",
+                    name));
+  }
+  return SimulatedCameraOptions::parse(std::string_view(name).substr(kKind.size()));
 }
 
 Result<BodySide> side_option(const std::string& name) {

@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "morgagni/camera/simulated_camera.h"
 #include "morgagni/core/result.h"
 #include "morgagni/depth/body_surface.h"
 #include "morgagni/registration/fine_registration.h"
@@ -20,6 +21,9 @@ void add_depth_options(CLI::App& command, BodySurfaceOptions& options);
 void add_registration_options(CLI::App& command, RegistrationOptions& options);
 
 /// @errors kInvalidArgument: another word than the known ones.
+/// What `--camera simulated:key=value,...` says, for commands that need the simulation's truth.
+[[nodiscard]] Result<SimulatedCameraOptions> simulated_camera_option(const std::string& name);
+
 [[nodiscard]] Result<BodySide> side_option(const std::string& name);
 
 }  // namespace mor

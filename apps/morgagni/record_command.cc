@@ -14,6 +14,7 @@
 
 #include "commands.h"
 #include "exit.h"
+#include "options.h"
 
 namespace mor {
 namespace {
@@ -27,22 +28,12 @@ struct Arguments {
 
 constexpr int kMaxFrames = 100000;
 
-Result<SimulatedCameraOptions> simulated_options(std::string_view name) {
-  constexpr std::string_view kKind = "simulated:";
-  if (!name.starts_with(kKind)) {
-    return make_error(
-        ErrorCode::kInvalidArgument,
-        fmt::format("--camera must be simulated:[key=value,...] to be recorded, got \"{}\"", name));
-  }
-  return SimulatedCameraOptions::parse(name.substr(kKind.size()));
-}
-
 /// The simulated camera is recorded frame by frame, not in real time: none is missed, and the truth
 /// is known.
 void record(const Arguments& arguments) {
   const auto body = value_or_exit(load_case(arguments.folder));
   const auto skin = std::shared_ptr<const TriangleMesh>(body.skin, &body.skin->mesh);
-  const auto options = value_or_exit(simulated_options(arguments.camera));
+  const auto options = value_or_exit(simulated_camera_option(arguments.camera));
   const auto camera = value_or_exit(SimulatedCamera::create(skin, options));
   auto recorder = value_or_exit(TumRecorder::create(arguments.out));
   const auto progress = console_progress();

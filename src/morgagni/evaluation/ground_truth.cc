@@ -162,6 +162,19 @@ Result<std::vector<Target>> read_targets(const std::filesystem::path& path) {
       path, parse_target, "name,kind,x_mm,y_mm,z_mm", "name,skin|internal,x_mm,y_mm,z_mm");
 }
 
+std::optional<Eigen::Isometry3d> truth_at(const std::vector<TimedPose>& truth, double time_s) {
+  const TimedPose* best = nullptr;
+  double best_lag_s = kMaxTruthLagS;
+  for (const auto& pose : truth) {
+    const double lag_s = std::abs(pose.timestamp_s - time_s);
+    if (lag_s > best_lag_s) continue;
+    best_lag_s = lag_s;
+    best = &pose;
+  }
+  if (best == nullptr) return std::nullopt;
+  return best->ct_from_depth;
+}
+
 Result<AlignedTruth> align_truth_to_case(std::vector<TimedPose> poses,
                                          std::vector<Target> targets,
                                          TruthFrame frame,

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,13 @@ struct Target {
 /// Reads `targets.csv`: name,kind (skin | internal),x_mm,y_mm,z_mm, RAS+, with that header.
 /// @errors as above.
 [[nodiscard]] Result<std::vector<Target>> read_targets(const std::filesystem::path& path);
+
+/// Poses and pictures whose time stamps differ by more have nothing to do with each other.
+inline constexpr double kMaxTruthLagS = 0.02;
+
+/// ct_from_depth at a moment: of the pose nearest in time. None farther away than kMaxTruthLagS.
+[[nodiscard]] std::optional<Eigen::Isometry3d> truth_at(const std::vector<TimedPose>& truth,
+                                                        double time_s);
 
 /// In which world truth and targets are given.
 enum class TruthFrame : std::uint8_t {

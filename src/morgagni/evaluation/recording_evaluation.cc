@@ -21,7 +21,6 @@ namespace mor {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-constexpr double kMaxTruthLagS = 0.02;
 
 double ms_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
@@ -52,19 +51,6 @@ Eigen::Vector3d random_direction(std::mt19937_64& random) {
 
 double random_up_to(double limit, std::mt19937_64& random) {
   return limit * static_cast<double>(random() >> 11U) * 0x1.0p-53;
-}
-
-std::optional<Eigen::Isometry3d> truth_at(const std::vector<TimedPose>& truth, double time_s) {
-  const TimedPose* best = nullptr;
-  double best_lag_s = kMaxTruthLagS;
-  for (const auto& pose : truth) {
-    const double lag_s = std::abs(pose.timestamp_s - time_s);
-    if (lag_s > best_lag_s) continue;
-    best_lag_s = lag_s;
-    best = &pose;
-  }
-  if (best == nullptr) return std::nullopt;
-  return best->ct_from_depth;
 }
 
 Eigen::Vector3d centroid(const PointCloud& cloud) {

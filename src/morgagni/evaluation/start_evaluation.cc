@@ -1,0 +1,271 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/evaluation/start_evaluation.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <numbers>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
+
+#include "morgagni/evaluation/recording_evaluation.h"
+#include "morgagni/geometry/rigid.h"
+#include "morgagni/registration/fine_registration.h"
+
+namespace mor {
+namespace {
+
+constexpr double kDegPerRad = 180.0 / std::numbers::pi;
+constexpr std::size_t kSkinTargets = 100;
+
+double cpu_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+std::vector<Target> targets_of(const TriangleMesh& skin) {
+  const Eigen::Vector3d center = skin.bounds().center().cast<double>();
+  std::vector<Target> targets;
+  const std::size_t step = std::max<std::size_t>(1, skin.vertices.size() / kSkinTargets);
+  for (std::size_t i = 0; i < skin.vertices.size(); i += step) {
+    const Eigen::Vector3d on_skin = skin.vertices[i].cast<double>();
+    targets.push_back({"", true, on_skin});
+    targets.push_back({"", false, 0.5 * (on_skin + center)});
+  }
+  return targets;
+}
+
+/// Starts on one view after the other and keeps the runs.
+class StartEvaluation {
+ public:
+  StartEvaluation(std::shared_ptr<const FixedSurface> fixed,
+                  const StartEvaluationOptions& options,
+                  std::unique_ptr<FineRegistration> registration)
+      : fixed_(std::move(fixed)),
+        options_(options),
+        registration_(std::move(registration)),
+        skin_center_(fixed_->mesh.bounds().center().cast<double>()),
+        targets_(targets_of(fixed_->mesh)) {}
+
+  [[nodiscard]] Result<void> add(std::size_t index, const StartView& view);
+  [[nodiscard]] StartReport report() const;
+
+ private:
+  [[nodiscard]] Result<const AutomaticStart*> start_for(const StartView& view);
+  [[nodiscard]] Result<double> fine_tre_mm(const StartView& view,
+                                           const Eigen::Isometry3d& ct_from_depth) const;
+  [[nodiscard]] bool is_right(const StartRun& run) const {
+    return run.shift_mm < options_.right_mm && run.rotation_deg < options_.right_deg;
+  }
+
+  std::shared_ptr<const FixedSurface> fixed_;
+  const StartEvaluationOptions& options_;
+  std::unique_ptr<FineRegistration> registration_;
+  Eigen::Vector3d skin_center_;
+  std::vector<Target> targets_;
+  std::optional<AutomaticStart> start_;
+  std::vector<StartRun> runs_;
+};
+
+/// One starter serves all views, unless each comes with its own gravity.
+Result<const AutomaticStart*> StartEvaluation::start_for(const StartView& view) {
+  if (!start_ || options_.knows_gravity) {
+    AutomaticStartOptions options = options_.start;
+    if (options_.knows_gravity) {
+      options.gravity = view.ct_from_depth.linear().transpose() * Eigen::Vector3d::UnitY();
+    }
+    MOR_TRY(start_, AutomaticStart::create(fixed_, view.frame->calibration->depth, options));
+  }
+  return &*start_;
+}
+
+Result<double> StartEvaluation::fine_tre_mm(const StartView& view,
+                                            const Eigen::Isometry3d& ct_from_depth) const {
+  const PinholeCamera& camera = view.frame->calibration->depth;
+  MOR_TRY(auto extractor, BodySurfaceExtractor::create(camera, options_.depth));
+  const auto seed_px = camera.project(ct_from_depth.inverse() * skin_center_);
+  MOR_TRY(const BodySurface surface, extractor.extract(view.frame->depth_mm.view(), seed_px));
+  if (surface.cloud.empty()) {
+    return target_registration_error_mm(ct_from_depth, view.ct_from_depth, targets_);
+  }
+  MOR_TRY(const auto fine,
+          registration_->align(surface.cloud, ct_from_depth, StartQuality::kTracked));
+  return target_registration_error_mm(fine.fixed_from_moving, view.ct_from_depth, targets_);
+}
+
+Result<void> StartEvaluation::add(std::size_t index, const StartView& view) {
+  MOR_TRY(const AutomaticStart* start, start_for(view));
+  StartRun run;
+  run.view = index;
+  const double cpu_before_ms = cpu_ms();
+  const auto started = std::chrono::steady_clock::now();
+  MOR_TRY(run.result, start->find(view.frame->depth_mm.view()));
+  run.wall_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - started).count();
+  run.cpu_ms = cpu_ms() - cpu_before_ms;
+  const Eigen::Isometry3d& found = run.result.ct_from_depth;
+  const Eigen::Isometry3d depth_from_ct = view.ct_from_depth.inverse();
+  run.shift_mm = displacement_mm(found, view.ct_from_depth, depth_from_ct * skin_center_);
+  run.rotation_deg = kDegPerRad * rotation_angle_rad(found * depth_from_ct);
+  run.tre_mm = target_registration_error_mm(found, view.ct_from_depth, targets_);
+  if (run.result.status == AutomaticStartStatus::kFound) {
+    MOR_TRY(run.fine_tre_mm, fine_tre_mm(view, found));
+  }
+  runs_.push_back(std::move(run));
+  return {};
+}
+
+StartReport StartEvaluation::report() const {
+  StartReport report;
+  report.num_views = static_cast<int>(runs_.size());
+  report.num_threads = options_.start.num_threads;
+  std::vector<double> shift_mm;
+  std::vector<double> rotation_deg;
+  std::vector<double> fine_mm;
+  std::vector<double> wall_ms;
+  std::vector<double> cpu_ms;
+  for (const auto& run : runs_) {
+    wall_ms.push_back(run.wall_ms);
+    cpu_ms.push_back(run.cpu_ms);
+    if (run.result.status != AutomaticStartStatus::kFound) {
+      ++(run.result.status == AutomaticStartStatus::kAmbiguous ? report.num_ambiguous
+                                                               : report.num_not_found);
+      continue;
+    }
+    ++(is_right(run)                        ? report.num_right
+       : run.tre_mm > options_.wrong_tre_mm ? report.num_wrong
+                                            : report.num_near);
+    shift_mm.push_back(run.shift_mm);
+    rotation_deg.push_back(run.rotation_deg);
+    fine_mm.push_back(*run.fine_tre_mm);
+  }
+  report.shift_mm = summarize(shift_mm);
+  report.rotation_deg = summarize(rotation_deg);
+  report.fine_tre_mm = summarize(fine_mm);
+  report.wall_ms = summarize(wall_ms);
+  report.cpu_ms = summarize(cpu_ms);
+  report.runs = runs_;
+  return report;
+}
+
+bool is_found_and_good(const StartRun& run) {
+  return run.result.status == AutomaticStartStatus::kFound && run.tre_mm < 5.0;
+}
+
+}  // namespace
+
+Result<void> StartEvaluationOptions::check() const {
+  MOR_CHECK(start.check());
+  MOR_CHECK(depth.check());
+  for (const auto& [name, value] : {std::pair{"right_mm", right_mm},
+                                    {"right_deg", right_deg},
+                                    {"wrong_tre_mm", wrong_tre_mm}}) {
+    if (value > 0.0 && std::isfinite(value)) continue;
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("{} must be > 0, got {}", name, value));
+  }
+  return {};
+}
+
+Result<StartReport> evaluate_starts(const StartViews& views,
+                                    std::size_t num_views,
+                                    const std::shared_ptr<const FixedSurface>& fixed,
+                                    const StartEvaluationOptions& options,
+                                    const Progress& progress) {
+  MOR_CHECK(options.check());
+  if (num_views == 0) {
+    return make_error(ErrorCode::kInvalidArgument, "an evaluation needs at least one view");
+  }
+  MOR_TRY(auto registration, make_fine_registration(fixed, {}));
+  StartEvaluation evaluation(fixed, options, std::move(registration));
+  for (std::size_t i = 0; i < num_views; ++i) {
+    MOR_TRY(const auto view, views(i));
+    MOR_CHECK(evaluation.add(i, view));
+    if (progress) progress("start", static_cast<double>(i + 1) / static_cast<double>(num_views));
+  }
+  return evaluation.report();
+}
+
+std::string to_json(const StartReport& report) {
+  const auto all = [](const Summary& s) {
+    return nlohmann::ordered_json{
+        {"mean", s.mean}, {"sd", s.sd}, {"median", s.median}, {"p95", s.p95}, {"max", s.max}};
+  };
+  auto runs = nlohmann::ordered_json::array();
+  for (const auto& run : report.runs) {
+    nlohmann::ordered_json item = {{"view", run.view},
+                                   {"status", to_string(run.result.status)},
+                                   {"score", run.result.score},
+                                   {"runner_up_score", run.result.runner_up_score},
+                                   {"shift_mm", run.shift_mm},
+                                   {"rotation_deg", run.rotation_deg},
+                                   {"tre_mm", run.tre_mm},
+                                   {"wall_ms", run.wall_ms},
+                                   {"cpu_ms", run.cpu_ms}};
+    if (run.fine_tre_mm) item["fine_tre_mm"] = *run.fine_tre_mm;
+    if (!run.result.reason.empty()) item["reason"] = run.result.reason;
+    runs.push_back(std::move(item));
+  }
+  const nlohmann::ordered_json json = {
+      {"views", report.num_views},
+      {"right", report.num_right},
+      {"near", report.num_near},
+      {"wrong", report.num_wrong},
+      {"refused", {{"ambiguous", report.num_ambiguous}, {"not_found", report.num_not_found}}},
+      {"threads", report.num_threads},
+      {"shift_mm", all(report.shift_mm)},
+      {"rotation_deg", all(report.rotation_deg)},
+      {"fine_tre_mm", all(report.fine_tre_mm)},
+      {"wall_ms", all(report.wall_ms)},
+      {"cpu_ms", all(report.cpu_ms)},
+      {"runs", std::move(runs)}};
+  return json.dump(2);
+}
+
+std::string to_table(const StartReport& report) {
+  std::string table;
+  const auto count = [&](std::string_view what, int number) {
+    table += fmt::format(
+        "{:<34}{:>6}  {:5.1f} %\n", what, number, 100.0 * number / std::max(1, report.num_views));
+  };
+  count("found and right", report.num_right);
+  count("found, neither right nor wrong", report.num_near);
+  count("found and wrong", report.num_wrong);
+  count("refused: ambiguous", report.num_ambiguous);
+  count("refused: not found", report.num_not_found);
+  const auto row = [&](std::string_view what, const Summary& s) {
+    table += fmt::format("{:<34}{:>8.2f}{:>8.2f}{:>8.2f}{:>8.2f}{:>8.2f}\n",
+                         what,
+                         s.mean,
+                         s.sd,
+                         s.median,
+                         s.p95,
+                         s.max);
+  };
+  table +=
+      fmt::format("\n{:<34}{:>8}{:>8}{:>8}{:>8}{:>8}\n", "", "mean", "sd", "median", "p95", "max");
+  row("shift of the found, mm", report.shift_mm);
+  row("rotation of the found, deg", report.rotation_deg);
+  row("TRE after fine registration, mm", report.fine_tre_mm);
+  row(fmt::format("time on {} threads, ms", report.num_threads), report.wall_ms);
+  row("processor time, ms", report.cpu_ms);
+  for (const auto& run : report.runs) {
+    if (is_found_and_good(run)) continue;
+    table += fmt::format("\nview {}: {}, {:.1f} mm and {:.1f} deg off, TRE {:.1f} mm. {}",
+                         run.view,
+                         to_string(run.result.status),
+                         run.shift_mm,
+                         run.rotation_deg,
+                         run.tre_mm,
+                         run.result.reason);
+  }
+  if (table.back() != '\n') table += '\n';
+  return table;
+}
+
+}  // namespace mor
