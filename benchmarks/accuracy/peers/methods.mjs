@@ -10,6 +10,7 @@ export const FINE_METHODS = [
   { name: 'icp', program: 'morgagni', starts: 3 },
   { name: 'trimmed-icp', program: 'morgagni', starts: 3 },
   { name: 'open3d-point-to-plane', program: 'open3d_peers', starts: 20 },
+  { name: 'open3d-registration-icp', program: 'open3d_peers', starts: 5 },
   { name: 'open3d-generalized', program: 'open3d_peers', starts: 10 },
   { name: 'open3d-point-to-point', program: 'open3d_peers', starts: 5 },
   { name: 'pcl-point-to-plane', program: 'pcl_peers', starts: 20 },

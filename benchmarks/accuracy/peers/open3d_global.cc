@@ -73,13 +73,8 @@ class Open3dGlobal : public Method {
   Eigen::Isometry3d align(const Eigen::Isometry3d& /*none*/) override {
     open3d::utility::random::Seed(kSeed);
     const Eigen::Isometry3d rough(match_(Features(moving_), fixed_features_));
-    return align_coarse_to_fine(*fixed_,
-                                moving_,
-                                rough,
-                                Open3dEstimator::kPointToPlane,
-                                {{25.0, 8, 15, 0.05, 1e-3},
-                                 {12.0, 4, 15, 0.02, 1e-3},
-                                 {6.0, 1, 30, 1e-3, 1e-4}});
+    constexpr auto kRefinement = Open3dEstimator::kPointToPlane;
+    return align_coarse_to_fine(*fixed_, moving_, rough, kRefinement, open3d_levels(kRefinement));
   }
 
  private:

@@ -71,7 +71,7 @@ Eigen::Isometry3d align_level(const Open3dFixed& fixed,
                               Open3dEstimator estimator,
                               const Open3dLevel& level) {
   constexpr std::size_t kMinPairs = 10;
-  const auto estimation = make_estimation(estimator, level.gate_mm);
+  const auto estimation = make_estimation(estimator, level.kernel_mm);
   moved.Transform(fixed_from_moving.matrix());
   Pairing pairing = pair_up(fixed, moved, level.gate_mm);
   for (int i = 0; i < level.max_iterations && pairing.pairs.size() >= kMinPairs; ++i) {
@@ -90,21 +90,48 @@ Eigen::Isometry3d align_level(const Open3dFixed& fixed,
 
 class Open3dIcp : public Method {
  public:
-  Open3dIcp(std::shared_ptr<const Open3dFixed> fixed,
-            Open3dEstimator estimator,
-            std::vector<Open3dLevel> levels)
-      : fixed_(std::move(fixed)), estimator_(estimator), levels_(std::move(levels)) {}
+  Open3dIcp(std::shared_ptr<const Open3dFixed> fixed, Open3dEstimator estimator)
+      : fixed_(std::move(fixed)), estimator_(estimator) {}
 
   void set_moving(const TriangleMesh& moving) override { moving_ = to_open3d(moving); }
 
   Eigen::Isometry3d align(const Eigen::Isometry3d& fixed_from_moving_init) override {
-    return align_coarse_to_fine(*fixed_, moving_, fixed_from_moving_init, estimator_, levels_);
+    return align_coarse_to_fine(
+        *fixed_, moving_, fixed_from_moving_init, estimator_, open3d_levels(estimator_));
   }
 
  private:
   std::shared_ptr<const Open3dFixed> fixed_;
   Open3dEstimator estimator_;
-  std::vector<Open3dLevel> levels_;
+  Cloud moving_;
+};
+
+/// The same levels by the library's own function, which builds the fixed side's tree in each call.
+class Open3dWholeFunction : public Method {
+ public:
+  explicit Open3dWholeFunction(std::shared_ptr<const Open3dFixed> fixed)
+      : fixed_(std::move(fixed)) {}
+
+  void set_moving(const TriangleMesh& moving) override { moving_ = to_open3d(moving); }
+
+  Eigen::Isometry3d align(const Eigen::Isometry3d& fixed_from_moving_init) override {
+    constexpr auto kEstimator = Open3dEstimator::kPointToPlane;
+    Eigen::Matrix4d fixed_from_moving = fixed_from_moving_init.matrix();
+    for (const auto& level : open3d_levels(kEstimator)) {
+      fixed_from_moving =
+          o3r::RegistrationICP(*moving_.UniformDownSample(level.point_stride),
+                               fixed_->cloud,
+                               level.gate_mm,
+                               fixed_from_moving,
+                               *make_estimation(kEstimator, level.kernel_mm),
+                               {level.stop_fitness, level.stop_rmse_mm, level.max_iterations})
+              .transformation_;
+    }
+    return Eigen::Isometry3d(fixed_from_moving);
+  }
+
+ private:
+  std::shared_ptr<const Open3dFixed> fixed_;
   Cloud moving_;
 };
 
@@ -134,25 +161,34 @@ Eigen::Isometry3d align_coarse_to_fine(const Open3dFixed& fixed,
       if (estimator == Open3dEstimator::kGeneralized) part.normals_.push_back(moving.normals_[i]);
     }
     part.covariances_ = disc_covariances(part.normals_);
-    fixed_from_moving =
-        align_level(fixed, std::move(part), fixed_from_moving, estimator, level);
+    fixed_from_moving = align_level(fixed, std::move(part), fixed_from_moving, estimator, level);
   }
   return fixed_from_moving;
 }
 
+std::vector<Open3dLevel> open3d_levels(Open3dEstimator estimator) {
+  std::vector<Open3dLevel> levels = {{50.0, 50.0, 8, 15, 0.05, 1e-3},
+                                     {25.0, 25.0, 8, 15, 0.05, 1e-3},
+                                     {12.0, 12.0, 4, 15, 0.02, 1e-3}};
+  if (estimator == Open3dEstimator::kPointToPlane) {
+    levels.push_back({6.0, 6.0, 4, 15, 0.01, 1e-3});
+    levels.push_back({6.0, 3.0, 1, 20, 1e-3, 1e-4});
+  } else {
+    levels.push_back({6.0, 6.0, 1, 30, 1e-3, 1e-4});
+  }
+  return levels;
+}
+
 void add_open3d_icp(const std::shared_ptr<const Open3dFixed>& fixed, MethodMakers& makers) {
-  const std::vector<Open3dLevel> levels = {{50.0, 8, 15, 0.05, 1e-3},
-                                           {25.0, 8, 15, 0.05, 1e-3},
-                                           {12.0, 4, 15, 0.02, 1e-3},
-                                           {6.0, 1, 30, 1e-3, 1e-4}};
   const auto add = [&](const char* name, Open3dEstimator estimator) {
-    makers.emplace(name, [fixed, estimator, levels] {
-      return std::make_unique<Open3dIcp>(fixed, estimator, levels);
-    });
+    makers.emplace(name,
+                   [fixed, estimator] { return std::make_unique<Open3dIcp>(fixed, estimator); });
   };
   add("open3d-point-to-point", Open3dEstimator::kPointToPoint);
   add("open3d-point-to-plane", Open3dEstimator::kPointToPlane);
   add("open3d-generalized", Open3dEstimator::kGeneralized);
+  makers.emplace("open3d-registration-icp",
+                 [fixed] { return std::make_unique<Open3dWholeFunction>(fixed); });
 }
 
 }  // namespace mor::peers

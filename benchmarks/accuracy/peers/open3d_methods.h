@@ -24,11 +24,12 @@ struct Open3dFixed {
 
 /// One gate of a coarse-to-fine ICP.
 struct Open3dLevel {
-  double gate_mm = 0.0;           ///< Pairs farther apart are dropped; the kernel's scale too.
-  std::size_t point_stride = 1;   ///< Every so many moving points.
+  double gate_mm = 0.0;          ///< Pairs farther apart are dropped.
+  double kernel_mm = 0.0;        ///< Tukey's scale, of the distances to planes.
+  std::size_t point_stride = 1;  ///< Every so many moving points.
   int max_iterations = 30;
-  double stop_rmse_mm = 1e-3;     ///< Stop when a step changes the residual by less, ...
-  double stop_fitness = 1e-4;     ///< ... and the share of points with a pair.
+  double stop_rmse_mm = 1e-3;  ///< Stop when a step changes the residual by less, ...
+  double stop_fitness = 1e-4;  ///< ... and the share of points with a pair.
 };
 
 enum class Open3dEstimator : std::uint8_t { kPointToPoint, kPointToPlane, kGeneralized };
@@ -44,7 +45,11 @@ enum class Open3dEstimator : std::uint8_t { kPointToPoint, kPointToPlane, kGener
                                                      Open3dEstimator estimator,
                                                      const std::vector<Open3dLevel>& levels);
 
-/// "open3d-point-to-plane", "open3d-generalized", "open3d-point-to-point".
+/// For a start up to 30 mm / 20 degrees off.
+[[nodiscard]] std::vector<Open3dLevel> open3d_levels(Open3dEstimator estimator);
+
+/// "open3d-point-to-plane", "open3d-generalized", "open3d-point-to-point",
+/// "open3d-registration-icp" (point-to-plane by the library's whole function).
 void add_open3d_icp(const std::shared_ptr<const Open3dFixed>& fixed, MethodMakers& makers);
 /// "open3d-fpfh-ransac", "open3d-fpfh-fgr".
 void add_open3d_global(const std::shared_ptr<const Open3dFixed>& fixed, MethodMakers& makers);

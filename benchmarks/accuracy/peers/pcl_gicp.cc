@@ -11,91 +11,146 @@
 namespace mor::peers {
 namespace {
 
-/// Generalized ICP; covariances from the normals, as its authors' plane-to-plane model has it.
-class PclGicp : public Method {
+/// Both methods turn about the origin and step equally far in radians and in units of length: they
+/// want metres, and the body at the origin.
+constexpr double kMetresPerMm = 1e-3;
+
+PclCloud::Ptr in_metres(const PclCloud& cloud, const Eigen::Isometry3d& a_from_cloud) {
+  auto moved = pcl::make_shared<PclCloud>(cloud);
+  const Eigen::Isometry3f motion = a_from_cloud.cast<float>();
+  for (auto& point : *moved) {
+    point.getVector3fMap() =
+        static_cast<float>(kMetresPerMm) * (motion * Eigen::Vector3f(point.getVector3fMap()));
+    point.getNormalVector3fMap() = motion.linear() * Eigen::Vector3f(point.getNormalVector3fMap());
+  }
+  return moved;
+}
+
+/// The fixed side about its centre, in metres.
+struct CentredFixed {
+  explicit CentredFixed(const PclFixed& fixed) {
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();
+    for (const auto& point : *fixed.cloud) center += point.getVector3fMap().cast<double>();
+    centred_from_fixed.translation() = -center / static_cast<double>(fixed.cloud->size());
+    cloud = in_metres(*fixed.cloud, centred_from_fixed);
+    tree = pcl::make_shared<PclTree>();
+    tree->setInputCloud(cloud);
+    covariances = fixed.covariances;
+  }
+
+  Eigen::Isometry3d centred_from_fixed = Eigen::Isometry3d::Identity();
+  PclCloud::Ptr cloud;
+  PclTree::Ptr tree;
+  pcl::shared_ptr<PclCovariances> covariances;
+};
+
+/// A method that refines a cloud already near: handed the cloud at its start, it says how to move
+/// it.
+class CentredMethod : public Method {
  public:
-  explicit PclGicp(std::shared_ptr<const PclFixed> fixed) : fixed_(std::move(fixed)) {}
+  explicit CentredMethod(const PclFixed& fixed) : fixed_(fixed) {}
 
   void set_moving(const TriangleMesh& moving) override { moving_ = to_pcl(moving); }
 
   Eigen::Isometry3d align(const Eigen::Isometry3d& fixed_from_moving_init) override {
-    Eigen::Isometry3d fixed_from_moving = fixed_from_moving_init;
+    const Eigen::Isometry3d& centred_from_fixed = fixed_.centred_from_fixed;
+    const PclCloud::Ptr start = in_metres(*moving_, centred_from_fixed * fixed_from_moving_init);
+    Eigen::Isometry3d motion = refine(fixed_, *start);
+    motion.translation() /= kMetresPerMm;
+    return centred_from_fixed.inverse() * motion * centred_from_fixed * fixed_from_moving_init;
+  }
+
+ private:
+  [[nodiscard]] virtual Eigen::Isometry3d refine(const CentredFixed& fixed,
+                                                 const PclCloud& start) = 0;
+
+  CentredFixed fixed_;
+  PclCloud::Ptr moving_;
+};
+
+/// Generalized ICP; covariances from the normals, as its authors' plane-to-plane model has it.
+class PclGicp : public CentredMethod {
+ public:
+  using CentredMethod::CentredMethod;
+
+ private:
+  [[nodiscard]] Eigen::Isometry3d refine(const CentredFixed& fixed,
+                                         const PclCloud& start) override {
+    Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
     for (const PclLevel& level : {PclLevel{50.0, 8, 15, 0.5, 5e-3},
                                   PclLevel{25.0, 8, 15, 0.5, 5e-3},
                                   PclLevel{12.0, 4, 15, 0.1, 1e-3},
                                   PclLevel{6.0, 1, 30, 0.01, 1e-4}}) {
-      fixed_from_moving = align_level(fixed_from_moving, level);
+      motion = refine_level(fixed, *every_nth_point(start, level.point_stride), motion, level);
     }
-    return fixed_from_moving;
+    return motion;
   }
 
- private:
-  [[nodiscard]] Eigen::Isometry3d align_level(const Eigen::Isometry3d& fixed_from_moving,
-                                              const PclLevel& level) const {
-    const PclCloud::Ptr part = every_nth_point(*moving_, level.point_stride);
+  [[nodiscard]] static Eigen::Isometry3d refine_level(const CentredFixed& fixed,
+                                                      const PclCloud& start,
+                                                      const Eigen::Isometry3d& motion,
+                                                      const PclLevel& level) {
     const auto covariances = pcl::make_shared<PclCovariances>();
-    pcl::features::computeApproximateCovariances(*part, *part, *covariances);
+    pcl::features::computeApproximateCovariances(start, start, *covariances);
     pcl::GeneralizedIterativeClosestPoint<PclPoint, PclPoint, double> gicp;
-    gicp.setSearchMethodTarget(fixed_->tree, /*force_no_recompute=*/true);
+    gicp.setSearchMethodTarget(fixed.tree, /*force_no_recompute=*/true);
     // Not needed: its covariances are given.
     gicp.setSearchMethodSource(pcl::make_shared<PclTree>(), /*force_no_recompute=*/true);
-    gicp.setInputTarget(fixed_->cloud);
-    gicp.setInputSource(part);
-    gicp.setTargetCovariances(fixed_->covariances);
+    gicp.setInputTarget(fixed.cloud);
+    gicp.setInputSource(pcl::make_shared<PclCloud>(start));
+    gicp.setTargetCovariances(fixed.covariances);
     gicp.setSourceCovariances(covariances);
-    gicp.setMaxCorrespondenceDistance(level.gate_mm);
+    gicp.setMaxCorrespondenceDistance(kMetresPerMm * level.gate_mm);
     gicp.setMaximumIterations(level.max_iterations);
-    gicp.setTransformationEpsilon(level.stop_mm);
+    gicp.setTransformationEpsilon(kMetresPerMm * level.stop_mm);
     gicp.setRotationEpsilon(level.stop_rad);
+    gicp.setTranslationGradientTolerance(1e-4);
+    gicp.setRotationGradientTolerance(1e-4);
     PclCloud moved;
-    gicp.align(moved, fixed_from_moving.matrix());
+    gicp.align(moved, motion.matrix());
     return to_isometry(gicp.getFinalTransformation());
   }
-
-  std::shared_ptr<const PclFixed> fixed_;
-  PclCloud::Ptr moving_;
 };
 
 /// Normal distributions transform, two cell sizes; the cells of the fixed side are made before.
-class PclNdt : public Method {
+class PclNdt : public CentredMethod {
  public:
-  explicit PclNdt(const PclFixed& fixed) {
-    for (const float cell_mm : {60.0F, 30.0F}) {
+  explicit PclNdt(const PclFixed& fixed) : CentredMethod(fixed) {
+    const CentredFixed centred(fixed);
+    for (const float cell_m : {0.06F, 0.03F}) {
       auto& ndt = levels_.emplace_back(
           std::make_unique<pcl::NormalDistributionsTransform<PclPoint, PclPoint>>());
-      ndt->setResolution(cell_mm);
-      ndt->setInputTarget(fixed.cloud);
-      ndt->setSearchMethodTarget(fixed.tree, /*force_no_recompute=*/true);
-      ndt->setStepSize(10.0);
-      ndt->setTransformationEpsilon(1e-4);
+      ndt->setResolution(cell_m);
+      ndt->setInputTarget(centred.cloud);
+      ndt->setSearchMethodTarget(centred.tree, /*force_no_recompute=*/true);
+      ndt->setStepSize(0.01);
+      ndt->setTransformationEpsilon(1e-10);  // Of the squared shift.
       ndt->setMaximumIterations(30);
     }
   }
 
-  void set_moving(const TriangleMesh& moving) override { moving_ = to_pcl(moving); }
-
-  Eigen::Isometry3d align(const Eigen::Isometry3d& fixed_from_moving_init) override {
+ private:
+  [[nodiscard]] Eigen::Isometry3d refine(const CentredFixed& /*in the levels*/,
+                                         const PclCloud& start) override {
     constexpr std::size_t kStride = 4;
-    const PclCloud::Ptr part = every_nth_point(*moving_, kStride);
-    Eigen::Matrix4f fixed_from_moving = fixed_from_moving_init.matrix().cast<float>();
+    const PclCloud::Ptr part = every_nth_point(start, kStride);
+    Eigen::Matrix4f motion = Eigen::Matrix4f::Identity();
     for (const auto& ndt : levels_) {
       ndt->setInputSource(part);
       PclCloud moved;
-      ndt->align(moved, fixed_from_moving);
-      fixed_from_moving = ndt->getFinalTransformation();
+      ndt->align(moved, motion);
+      motion = ndt->getFinalTransformation();
     }
-    return to_isometry(fixed_from_moving.cast<double>());
+    return to_isometry(motion.cast<double>());
   }
 
- private:
   std::vector<std::unique_ptr<pcl::NormalDistributionsTransform<PclPoint, PclPoint>>> levels_;
-  PclCloud::Ptr moving_;
 };
 
 }  // namespace
 
 void add_pcl_distributions(const std::shared_ptr<const PclFixed>& fixed, MethodMakers& makers) {
-  makers.emplace("pcl-gicp", [fixed] { return std::make_unique<PclGicp>(fixed); });
+  makers.emplace("pcl-gicp", [fixed] { return std::make_unique<PclGicp>(*fixed); });
   makers.emplace("pcl-ndt", [fixed] { return std::make_unique<PclNdt>(*fixed); });
 }
 

@@ -22,7 +22,8 @@ void set_rules(Icp& icp, const PclIcpRules& rules) {
   namespace pr = pcl::registration;
   if (rules.to_planes) {
     icp.setTransformationEstimation(
-        pcl::make_shared<pr::TransformationEstimationPointToPlaneLLS<PclPoint, PclPoint, double>>());
+        pcl::make_shared<
+            pr::TransformationEstimationPointToPlaneLLS<PclPoint, PclPoint, double>>());
   } else {
     icp.setTransformationEstimation(
         pcl::make_shared<pr::TransformationEstimationSVD<PclPoint, PclPoint, double>>());
@@ -70,6 +71,7 @@ class PclTrimmedIcp : public Method {
     const auto points = pcl::make_shared<Points>();
     pcl::copyPointCloud(*fixed.cloud, *points);
     icp_.init(points);
+    icp_.setNewToOldEnergyRatio(0.999F);
   }
 
   void set_moving(const TriangleMesh& moving) override {
@@ -122,8 +124,7 @@ void add_pcl_icp(const std::shared_ptr<const PclFixed>& fixed, MethodMakers& mak
   };
   add("pcl-icp", {.to_planes = false});
   add("pcl-point-to-plane", {.to_planes = true});
-  add("pcl-point-to-plane-trimmed",
-      {.to_planes = true, .same_facing = true, .kept_fraction = 0.8});
+  add("pcl-point-to-plane-trimmed", {.to_planes = true, .same_facing = true, .kept_fraction = 0.8});
   makers.emplace("pcl-trimmed-icp", [fixed] { return std::make_unique<PclTrimmedIcp>(*fixed); });
 }
 

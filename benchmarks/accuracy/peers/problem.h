@@ -22,7 +22,7 @@ struct ProblemRun {
 
 /// What the camera saw at one moment. Depth growth may depend on the start: several clouds.
 struct ProblemFrame {
-  std::size_t recording_frame = 0;  ///< Its place in the recording.
+  std::size_t recording_frame = 0;   ///< Its place in the recording.
   std::vector<TriangleMesh> clouds;  ///< Frame depth, mm, with normals towards the camera.
   std::vector<ProblemRun> runs;
 };

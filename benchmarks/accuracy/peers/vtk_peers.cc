@@ -53,8 +53,8 @@ class VtkIcp : public Method {
     icp->SetTarget(fixed_);
     icp->SetLocator(locator_);
     icp->GetLandmarkTransform()->SetModeToRigidBody();
-    icp->SetMaximumNumberOfLandmarks(1000);
-    icp->SetMaximumNumberOfIterations(200);
+    icp->SetMaximumNumberOfLandmarks(500);
+    icp->SetMaximumNumberOfIterations(100);
     icp->CheckMeanDistanceOn();
     icp->SetMaximumMeanDistance(0.001);
     icp->Update();
