@@ -20,6 +20,7 @@
 #include "morgagni/evaluation/recording_evaluation.h"
 #include "morgagni/geometry/triangle_mesh_io.h"
 #include "morgagni/registration/start.h"
+#include "morgagni/registration/visible_place.h"
 
 #include "peers/problem.h"
 
@@ -114,7 +115,7 @@ class FrameExport {
               const ExportOptions& options,
               Writer& writer)
       : extractor_(extractor),
-        skin_center_(body.skin->mesh.bounds().center().cast<double>()),
+        skin_(body.skin->mesh),
         options_(options),
         writer_(writer),
         random_(options.seed) {}
@@ -138,13 +139,12 @@ class FrameExport {
 
  private:
   /// Grown from where `ct_from_depth` expects the body: no method is told the truth.
-  [[nodiscard]] Result<TriangleMesh> surface(const RgbdFrame& frame,
-                                             const std::optional<Eigen::Isometry3d>& ct_from_depth) {
-    std::optional<Eigen::Vector2d> seed_px;
-    if (ct_from_depth) {
-      seed_px = frame.calibration->depth.project(ct_from_depth->inverse() * skin_center_);
-    }
-    MOR_TRY(auto body, extractor_.extract(frame.depth_mm.view(), seed_px));
+  [[nodiscard]] Result<TriangleMesh> surface(
+      const RgbdFrame& frame, const std::optional<Eigen::Isometry3d>& ct_from_depth) {
+    MOR_TRY(auto body,
+            ct_from_depth ? extractor_.extract(frame.depth_mm.view(),
+                                               places_facing_camera(skin_, *ct_from_depth))
+                          : extractor_.extract(frame.depth_mm.view()));
     if (body.cloud.empty()) {
       return make_error(ErrorCode::kInvalidArgument,
                         fmt::format("frame {} shows no surface in range", frame.frame_id));
@@ -155,7 +155,7 @@ class FrameExport {
   }
 
   BodySurfaceExtractor& extractor_;
-  Eigen::Vector3d skin_center_;
+  const TriangleMesh& skin_;
   const ExportOptions& options_;
   Writer& writer_;
   std::mt19937_64 random_;
@@ -203,8 +203,8 @@ Result<void> export_problems(const std::filesystem::path& out,
   MOR_TRY(auto extractor,
           BodySurfaceExtractor::create(recording.calibration()->depth, options.depth));
   Writer writer(out);
-  MOR_CHECK(
-      writer.begin(body, std::filesystem::absolute(recording_folder), truth.targets, options.start));
+  MOR_CHECK(writer.begin(
+      body, std::filesystem::absolute(recording_folder), truth.targets, options.start));
   FrameExport frames(extractor, body, options, writer);
   const std::size_t num_frames =
       std::min<std::size_t>(recording.size(), static_cast<std::size_t>(options.num_frames));
@@ -240,12 +240,10 @@ Result<void> export_exact_problems(const std::filesystem::path& out, const Case&
     const TriangleMesh cloud = facing_part(skin, truth);
     writer.begin_frame(number++, truth);
     MOR_CHECK(writer.add_run(cloud, truth));
-    MOR_CHECK(writer.add_run(cloud,
-                             perturbed_start(truth,
-                                             truth * centroid(cloud.vertices),
-                                             kShiftMm,
-                                             kRotationDeg * kRadPerDeg,
-                                             random)));
+    MOR_CHECK(writer.add_run(
+        cloud,
+        perturbed_start(
+            truth, truth * centroid(cloud.vertices), kShiftMm, kRotationDeg * kRadPerDeg, random)));
   }
   return writer.finish();
 }

@@ -91,8 +91,8 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   Arguments arguments;
   auto* write = app.add_subcommand("export", "Write the problems of a recording");
-  auto* write_exact =
-      app.add_subcommand("export-exact", "Write problems whose moving clouds are parts of the skin");
+  auto* write_exact = app.add_subcommand(
+      "export-exact", "Write problems whose moving clouds are parts of the skin");
   auto* serve = app.add_subcommand("answer", "Register on request, see peers/answering.h");
   for (auto* command : {write, write_exact, serve}) {
     command->add_option("PROBLEMS", arguments.problems, "Their folder")->required();
@@ -105,11 +105,10 @@ int run(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   if (serve->parsed()) return answer(arguments);
   const Case body = value_or_throw(load_case(arguments.folder));
-  value_or_throw(write->parsed() ? export_problems(arguments.problems,
-                                                   body,
-                                                   arguments.recording,
-                                                   arguments.options)
-                                 : export_exact_problems(arguments.problems, body));
+  value_or_throw(
+      write->parsed()
+          ? export_problems(arguments.problems, body, arguments.recording, arguments.options)
+          : export_exact_problems(arguments.problems, body));
   return 0;
 }
 
