@@ -3,7 +3,6 @@
 #include "problem_export.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <optional>
 #include <random>
@@ -30,7 +29,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-constexpr double kMaxTruthLagS = 0.02;
 
 /// The files of one set, as they come.
 class Writer {
@@ -92,14 +90,6 @@ class Writer {
   Json json_;
   std::vector<TriangleMesh> clouds_;  ///< Of the frame.
 };
-
-std::optional<Eigen::Isometry3d> truth_at(const std::vector<TimedPose>& poses, double time_s) {
-  const auto lag = [time_s](const TimedPose& pose) { return std::abs(pose.timestamp_s - time_s); };
-  const auto nearest = std::min_element(
-      poses.begin(), poses.end(), [&](const auto& a, const auto& b) { return lag(a) < lag(b); });
-  if (nearest == poses.end() || lag(*nearest) > kMaxTruthLagS) return std::nullopt;
-  return nearest->ct_from_depth;
-}
 
 Eigen::Vector3d centroid(const std::vector<Eigen::Vector3f>& points) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
