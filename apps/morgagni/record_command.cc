@@ -11,6 +11,7 @@
 #include "morgagni/camera/tum_recorder.h"
 #include "morgagni/casefile/case.h"
 #include "morgagni/core/progress.h"
+#include "morgagni/evaluation/target_sampling.h"
 
 #include "commands.h"
 #include "exit.h"
@@ -24,9 +25,23 @@ struct Arguments {
   std::filesystem::path out;
   std::string camera = "simulated:";
   int num_frames = 150;
+  int num_targets = 0;
+  std::uint64_t targets_seed = 1;
 };
 
 constexpr int kMaxFrames = 100000;
+constexpr int kMaxTargets = 1000;
+
+/// As many on the upper skin as inside, so that `evaluate recording` can measure.
+void add_targets(const Arguments& arguments, const TriangleMesh& skin, TumRecorder& recorder) {
+  auto targets =
+      value_or_exit(sample_skin_targets(skin, arguments.num_targets, arguments.targets_seed));
+  for (const auto& target : value_or_exit(
+           sample_internal_targets(skin, arguments.num_targets, arguments.targets_seed))) {
+    targets.push_back(target);
+  }
+  value_or_exit(recorder.add_file("targets.csv", targets_csv(targets)));
+}
 
 /// The simulated camera is recorded frame by frame, not in real time: none is missed, and the truth
 /// is known.
@@ -36,6 +51,7 @@ void record(const Arguments& arguments) {
   const auto options = value_or_exit(simulated_camera_option(arguments.camera));
   const auto camera = value_or_exit(SimulatedCamera::create(skin, options));
   auto recorder = value_or_exit(TumRecorder::create(arguments.out));
+  if (arguments.num_targets > 0) add_targets(arguments, *skin, recorder);
   const auto progress = console_progress();
   for (int i = 0; i < arguments.num_frames; ++i) {
     const auto frame_id = static_cast<std::uint64_t>(i);
@@ -62,10 +78,28 @@ void add_record_command(CLI::App& app) {
   command->add_option("--frames", arguments->num_frames, "How many")
       ->capture_default_str()
       ->check(CLI::Range(1, kMaxFrames));
+  command
+      ->add_option("--targets",
+                   arguments->num_targets,
+                   "Write targets.csv too: so many places on the skin and as many inside the body")
+      ->capture_default_str()
+      ->check(CLI::Range(0, kMaxTargets));
+  command->add_option("--targets-seed", arguments->targets_seed, "Of those places")
+      ->capture_default_str();
   command->footer(
-      "Example:\n"
+      "Keys of the simulated camera:\n"
+      "  seed=1  width=640  height=480  fps=30  noise=0|1  distance=MM\n"
+      "  path=orbit|sway|still  a hand or a tripod before the body\n"
+      "  path=views             every frame from a random place of its own above the table\n"
+      "  clutter=none|hand|towel|parts|all  what the CT does not have, in depth and colour\n"
+      "  bias=MM                smooth systematic depth error, root mean square at 800 mm\n"
+      "  focal=PERCENT          the calibration's focal length is so much too long\n"
+      "\n"
+      "Examples:\n"
       "  morgagni record --case cases/head --camera simulated:seed=7 --frames 300 --out "
-      "recordings/head-7");
+      "recordings/head-7\n"
+      "  morgagni record --case cases/head --camera simulated:path=views,clutter=hand,bias=3\n"
+      "      --frames 100 --targets 16 --out recordings/head-views");
   command->callback([arguments] { record(*arguments); });
 }
 

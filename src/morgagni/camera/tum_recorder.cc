@@ -147,6 +147,15 @@ Result<void> TumRecorder::add(const RgbdFrame& frame,
   return {};
 }
 
+Result<void> TumRecorder::add_file(std::string_view name, std::string_view text) {
+  if (impl_->is_finished) return invalid("the recording is finished");
+  const auto path = impl_->pending.path() / name;
+  if (fs::path(name).has_parent_path() || fs::exists(path)) {
+    return invalid(fmt::format("'{}' is no name of a further file of a recording", name));
+  }
+  return write_file(path, text);
+}
+
 Result<void> TumRecorder::finish() {
   if (impl_->is_finished || impl_->num_frames == 0) {
     return invalid(fmt::format("{}: no frames to finish", impl_->folder.string()));

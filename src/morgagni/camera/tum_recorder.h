@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include <Eigen/Geometry>
 
@@ -33,6 +34,10 @@ class TumRecorder {
   [[nodiscard]] Result<void> add(const RgbdFrame& frame,
                                  double timestamp_s,
                                  const std::optional<Eigen::Isometry3d>& ct_from_camera);
+
+  /// Another file of the recording, as targets.csv. @param name  Without a folder.
+  /// @errors kInvalidArgument (the recording is finished, or has that file), kIo.
+  [[nodiscard]] Result<void> add_file(std::string_view name, std::string_view text);
 
   /// Nothing may be added after. @errors kInvalidArgument (no frames), kIo.
   [[nodiscard]] Result<void> finish();

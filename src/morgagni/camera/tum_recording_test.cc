@@ -114,6 +114,18 @@ TEST_F(Tum, WritesTheTruthInRasAndMetres) {
   EXPECT_TRUE((q * Eigen::Vector3d::UnitZ()).isApprox(Eigen::Vector3d::UnitZ(), 1e-6));
 }
 
+TEST_F(Tum, KeepsAFurtherFileButNoneOfItsOwn) {
+  auto recorder = TumRecorder::create(folder_).value();
+  ASSERT_TRUE(recorder.add(frame(0), 1.0, std::nullopt));
+  ASSERT_TRUE(recorder.add_file("targets.csv", "name\n"));
+  EXPECT_FALSE(recorder.add_file("targets.csv", "again\n"));
+  EXPECT_FALSE(recorder.add_file("../targets.csv", "outside\n"));
+  EXPECT_FALSE(recorder.add_file("rgb", "a folder\n"));
+  ASSERT_TRUE(recorder.finish());
+  EXPECT_FALSE(recorder.add_file("late.csv", "late\n"));
+  EXPECT_EQ(text_of("targets.csv"), "name\n");
+}
+
 TEST_F(Tum, HalfARecordingLeavesNothing) {
   {
     auto recorder = TumRecorder::create(folder_).value();

@@ -10,11 +10,9 @@ namespace {
 
 constexpr float kMarginMm = 350.0F;
 
-/// The box's share about its middle, seen from above.
-Eigen::AlignedBox2f from_above(const Eigen::AlignedBox3f& box, float share) {
-  const Eigen::Vector2f center(box.center().x(), box.center().z());
-  const Eigen::Vector2f half = 0.5F * share * Eigen::Vector2f(box.sizes().x(), box.sizes().z());
-  return {center - half, center + half};
+Eigen::AlignedBox2f from_above(const Eigen::AlignedBox3f& box) {
+  return {Eigen::Vector2f(box.min().x(), box.min().z()),
+          Eigen::Vector2f(box.max().x(), box.max().z())};
 }
 
 }  // namespace
@@ -50,13 +48,13 @@ Clutter::Arrangement Clutter::arranged(std::uint64_t number) const {
   }
   if (has(SimulatedClutter::kTowel)) {
     Draws draw(scramble(counter + 2));
-    const auto towel = draped_towel(from_above(body_, 1.0F), ground, table_top_mm_, draw);
+    const auto towel = draped_towel(from_above(body_), ground, table_top_mm_, draw);
     ground.add(towel.mesh);
     result.still.append(towel);
   }
   if (has(SimulatedClutter::kHand)) {
     Draws draw(scramble(counter + 3));
-    result.hand = hand_->placed(from_above(body_, 0.7F), ground, draw);
+    result.hand = hand_->placed(from_above(body_), ground, draw);
   }
   return result;
 }

@@ -41,7 +41,7 @@ struct Sheet {
   }
 };
 
-/// Covers about a quarter of the body from a random side.
+/// Covers a part of the body from a random side.
 Sheet draw_sheet(const Eigen::AlignedBox2f& area, Draws& draw) {
   const float turn_rad = between(draw, 0.0, 2.0 * std::numbers::pi);
   const Vector2f away(std::cos(turn_rad), std::sin(turn_rad));
@@ -50,12 +50,12 @@ Sheet draw_sheet(const Eigen::AlignedBox2f& area, Draws& draw) {
   const float edge_mm = 1.0F / away.cwiseQuotient(half).norm();
   const float angle_rad = turn_rad + between(draw, -0.5, 0.5);
   Sheet sheet;
-  sheet.center = area.center() + between(draw, 0.65, 1.0) * edge_mm * away;
+  sheet.center = area.center() + between(draw, 0.8, 1.1) * edge_mm * away;
   sheet.right = {std::cos(angle_rad), std::sin(angle_rad)};
   sheet.up = {-sheet.right.y(), sheet.right.x()};
-  const float scale = std::clamp(half.norm() / 230.0F, 0.5F, 1.2F);
-  sheet.columns = static_cast<int>(scale * between(draw, 180.0, 300.0) / kCellMm);
-  sheet.rows = static_cast<int>(scale * between(draw, 280.0, 460.0) / kCellMm);
+  const float scale = std::clamp(half.norm() / 240.0F, 0.4F, 1.2F);
+  sheet.columns = static_cast<int>(scale * between(draw, 130.0, 200.0) / kCellMm);
+  sheet.rows = static_cast<int>(scale * between(draw, 200.0, 330.0) / kCellMm);
   return sheet;
 }
 

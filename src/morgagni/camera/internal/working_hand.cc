@@ -141,17 +141,22 @@ WorkingHand::Placement WorkingHand::placed(const Eigen::AlignedBox2f& area,
   constexpr int kTries = 40;
   constexpr float kLeastUp = 0.75F;
   Eigen::Vector2f at = area.center();
+  Eigen::Vector2f away = Eigen::Vector2f::UnitX();
   Vector3f up = -Vector3f::UnitY();
   for (int i = 0; i < kTries; ++i) {
-    at = area.center() + 0.5F * area.sizes().cwiseProduct(Eigen::Vector2f(
-                                    between(draw, -1.0, 1.0), between(draw, -1.0, 1.0)));
+    const float azimuth_rad = between(draw, 0.0, kTurnRad);
+    away = {std::cos(azimuth_rad), std::sin(azimuth_rad)};
+    const float edge_mm = 1.0F / away.cwiseQuotient(0.5F * area.sizes()).norm();
+    at = area.center() + between(draw, 0.25, 0.95) * edge_mm * away;
     up = ground.normal(at.x(), at.y());
     if (-up.y() > kLeastUp && ground.height_mm(at.x(), at.y()) > 20.0F) break;
   }
   up = (up - Vector3f::UnitY()).normalized();
-  const Vector3f side = up.unitOrthogonal();
-  const float azimuth_rad = between(draw, 0.0, kTurnRad);
-  const Vector3f along = std::cos(azimuth_rad) * side + std::sin(azimuth_rad) * up.cross(side);
+  // Who works here stands outside: the arm comes from there, the fingers point inwards.
+  const float aside_rad = between(draw, -50.0, 50.0) * kDegree;
+  const Vector3f inwards =
+      AngleAxisf(aside_rad, Vector3f::UnitY()) * Vector3f(-away.x(), 0.0F, -away.y());
+  const Vector3f along = (inwards - inwards.dot(up) * up).normalized();
   Placement placement;
   placement.ct_from_hand.linear().col(0) = along;
   placement.ct_from_hand.linear().col(1) = up.cross(along);

@@ -17,7 +17,8 @@ class WorkingHand {
  public:
   explicit WorkingHand(std::uint64_t seed);
 
-  /// Where it is: a place in the middle of `area` (x, z of the frame ct), and how it moves there.
+  /// Where it is: on what lies within an ellipse in `area` (x, z of the frame ct), the arm coming
+  /// from outside; and how it moves there.
   struct Placement {
     Eigen::Isometry3f ct_from_hand = Eigen::Isometry3f::Identity();
     Eigen::Vector3f motion_phase_rad = Eigen::Vector3f::Zero();
