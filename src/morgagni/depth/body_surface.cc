@@ -228,20 +228,18 @@ void BodySurfaceExtractor::Impl::add_triangles(std::size_t num_vertices,
       const std::size_t a = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
       const std::size_t b = a + 1;
       const std::size_t c = a + width;
-      // Edges join pixels of one part, so either end of the diagonal tells whether it is the
-      // body's.
+      // Edges join pixels of one part, so either end tells whether an edge is the body's.
       if (mask[a] == 0 && mask[b] == 0) continue;
-      const auto bits = static_cast<std::uint8_t>((edges[a] & ~internal::kDownLeft) |
-                                                  (edges[b] & internal::kDownLeft));
+      const int of_a = mask[a] != 0 ? edges[a] & ~internal::kDownLeft : 0;
+      const int of_b = mask[b] != 0 ? edges[b] & internal::kDownLeft : 0;
       const Cell cell{
           vertex_of_pixel[a], vertex_of_pixel[b], vertex_of_pixel[c], vertex_of_pixel[c + 1]};
-      add_cell_triangles(
-          cell,
-          mask[a] != 0 ? bits : static_cast<std::uint8_t>(bits & internal::kDownLeft),
-          (edges[b] & internal::kDown) != 0,
-          (edges[c] & internal::kRight) != 0,
-          ad_is_shorter(a),
-          triangles);
+      add_cell_triangles(cell,
+                         static_cast<std::uint8_t>(of_a | of_b),
+                         (edges[b] & internal::kDown) != 0,
+                         (edges[c] & internal::kRight) != 0,
+                         ad_is_shorter(a),
+                         triangles);
     }
   }
 }

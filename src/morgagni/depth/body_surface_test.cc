@@ -213,6 +213,24 @@ TEST(BodySurface, MakesOneTriangleWhereOnlyThreeCornersConnect) {
   }
 }
 
+TEST(BodySurface, LeavesOutTrianglesOfWhatLiesBehind) {
+  // A square in front of a wall: at its lower right corner the wall alone spans three of a cell.
+  DepthImage image(100, 80);
+  for (int y = 0; y < 80; ++y) {
+    for (int x = 0; x < 100; ++x) {
+      const bool is_front = x >= 30 && x < 70 && y >= 20 && y < 60;
+      image(x, y) = is_front ? 500 : 900;
+    }
+  }
+  const PinholeCamera camera{100, 80, 200.0, 200.0, 49.5, 39.5, {}};
+  const BodySurface surface = extract(image, {.down_sampling = 1.0}, camera);
+  ASSERT_EQ(surface.cloud.size(), 40U * 40U);
+  EXPECT_EQ(surface.triangles.size(), 2U * 39U * 39U);
+  for (const auto& triangle : surface.triangles) {
+    for (const std::uint32_t corner : triangle) ASSERT_LT(corner, surface.cloud.size());
+  }
+}
+
 TEST(BodySurface, ClipsToNearAndFar) {
   DepthImage image(640, 480, 0);
   for (int y = 0; y < 480; ++y) {
