@@ -9,21 +9,22 @@
 #include <cstring>
 #include <fstream>
 #include <memory>
+#include <span>
 #include <sstream>
 #include <string>
 #include <system_error>
 
-#include <itkImage.h>
-#include <itkImageFileReader.h>
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
 #include <zlib.h>
 
+#include "inflate.h"
+#include "messages.h"
+#include "sandbox.h"
+
 namespace mor::import {
 namespace {
-
-using FloatImage = itk::Image<float, 3>;
 
 bool ends_with(const std::string& text, std::string_view end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
@@ -169,31 +170,107 @@ Result<ImportHeader> header_of(const itk::ImageIOBase& io, const std::string& na
   return header;
 }
 
-Result<std::vector<std::int16_t>> hu_of(const FloatImage& image, const std::string& name) {
-  const std::size_t num_voxels = image.GetLargestPossibleRegion().GetNumberOfPixels();
-  const float* values = image.GetBufferPointer();
-  std::vector<std::int16_t> hu(num_voxels);
-  for (std::size_t i = 0; i < num_voxels; ++i) {
-    if (!std::isfinite(values[i])) {
+/// Whatever type the file has, as HU: rounded and cut to what a CT can hold.
+template <class Stored>
+Result<void> to_hu(std::span<const std::byte> bytes,
+                   std::span<std::int16_t> hu,
+                   const std::string& name) {
+  for (std::size_t i = 0; i < hu.size(); ++i) {
+    Stored value;
+    std::memcpy(&value, bytes.data() + i * sizeof(Stored), sizeof(Stored));
+    const auto number = static_cast<double>(value);
+    if (!std::isfinite(number)) {
       return make_error(ErrorCode::kInvalidArgument,
                         name + " has a voxel that is not a number (voxel " + std::to_string(i) +
                             "): replace such voxels with -1024");
     }
-    hu[i] = static_cast<std::int16_t>(std::lround(std::clamp(values[i], -32768.0F, 32767.0F)));
+    hu[i] = static_cast<std::int16_t>(std::lround(std::clamp(number, -32768.0, 32767.0)));
   }
-  return hu;
+  return {};
+}
+
+Result<void> to_hu(itk::IOComponentEnum type,
+                   std::span<const std::byte> bytes,
+                   std::span<std::int16_t> hu,
+                   const std::string& name) {
+  using Type = itk::IOComponentEnum;
+  switch (type) {
+    case Type::UCHAR:
+      return to_hu<unsigned char>(bytes, hu, name);
+    case Type::CHAR:
+      return to_hu<signed char>(bytes, hu, name);
+    case Type::USHORT:
+      return to_hu<unsigned short>(bytes, hu, name);
+    case Type::SHORT:
+      return to_hu<short>(bytes, hu, name);
+    case Type::UINT:
+      return to_hu<unsigned>(bytes, hu, name);
+    case Type::INT:
+      return to_hu<int>(bytes, hu, name);
+    case Type::ULONG:
+      return to_hu<unsigned long>(bytes, hu, name);
+    case Type::LONG:
+      return to_hu<long>(bytes, hu, name);
+    case Type::ULONGLONG:
+      return to_hu<unsigned long long>(bytes, hu, name);
+    case Type::LONGLONG:
+      return to_hu<long long>(bytes, hu, name);
+    case Type::FLOAT:
+      return to_hu<float>(bytes, hu, name);
+    case Type::DOUBLE:
+      return to_hu<double>(bytes, hu, name);
+    default:
+      break;
+  }
+  return make_error(ErrorCode::kUnsupported,
+                    name + " stores its voxels in a type that is not read: convert it to 16-bit");
+}
+
+/// What the file announces must be possible with as many bytes as it has.
+Result<void> check_announced(const std::filesystem::path& path, std::uintmax_t num_bytes) {
+  const std::string name = lower_case(path.filename().string());
+  std::error_code failure;
+  const auto has = std::filesystem::file_size(path, failure);
+  const bool is_detached = ends_with(name, ".nhdr") || ends_with(name, ".mhd");
+  if (is_detached || (!failure && num_bytes <= max_inflated_bytes(has))) return {};
+  return make_error(ErrorCode::kInvalidArgument,
+                    path.filename().string() + " announces " + std::to_string(num_bytes) +
+                        " bytes of voxels, more than its " + std::to_string(failure ? 0 : has) +
+                        " bytes could hold");
+}
+
+Result<void> check_lengths(const std::filesystem::path& path, itk::ImageIOBase& io) {
+  const auto num_bytes = static_cast<std::uintmax_t>(io.GetImageSizeInBytes());
+  MOR_CHECK(check_announced(path, num_bytes));
+  if (is_meta_image(path.filename().string())) return check_meta_length(path, num_bytes);
+  if (dynamic_cast<const itk::NiftiImageIO*>(&io) != nullptr)
+    return check_nifti_length(path, static_cast<std::uintmax_t>(io.GetImageSizeInPixels()));
+  return {};
+}
+
+std::vector<std::byte> stored_voxels(itk::ImageIOBase& io) {
+  itk::ImageIORegion all(io.GetNumberOfDimensions());
+  for (unsigned axis = 0; axis < io.GetNumberOfDimensions(); ++axis) {
+    all.SetIndex(axis, 0);
+    all.SetSize(axis, io.GetDimensions(axis));
+  }
+  io.SetIORegion(all);
+  std::vector<std::byte> voxels(static_cast<std::size_t>(io.GetImageSizeInBytes()));
+  io.Read(voxels.data());
+  return voxels;
 }
 
 }  // namespace
 
-Result<ImportedVolume> read_image_file(const std::filesystem::path& path) {
+Result<void> import_image_file(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
-  const auto io = make_image_io(path);
+  auto io = make_image_io(path);
   if (!io) {
-    return make_error(ErrorCode::kUnsupported,
-                      name +
-                          " is no CT that is read here: give a DICOM folder, or a .nii, .nii.gz, "
-                          ".nrrd, .nhdr, .mha or .mhd file");
+    return make_error(
+        ErrorCode::kUnsupported,
+        name +
+            " is no CT that is read here: give a DICOM folder, DICOMDIR or .zip, or a "
+            ".nii, .nii.gz, .nrrd, .nhdr, .mha or .mhd file");
   }
   say_file(path.string());
   if (!io->CanReadFile(path.c_str()))
@@ -202,20 +279,17 @@ Result<ImportedVolume> read_image_file(const std::filesystem::path& path) {
     io->SetFileName(path.string());
     io->ReadImageInformation();
     MOR_CHECK(check_kind(*io, name));
-    ImportedVolume volume;
-    MOR_TRY(volume.header, header_of(*io, name));
-    if (is_meta_image(name))
-      MOR_CHECK(check_meta_length(path, static_cast<std::uintmax_t>(io->GetImageSizeInBytes())));
-    if (dynamic_cast<const itk::NiftiImageIO*>(io.GetPointer()) != nullptr)
-      MOR_CHECK(check_nifti_length(path, static_cast<std::uintmax_t>(io->GetImageSizeInPixels())));
+    MOR_TRY(const ImportHeader header, header_of(*io, name));
+    MOR_CHECK(check_lengths(path, *io));
+    // The reader keeps a copy of its own while it reads.
+    allow_memory(2 * static_cast<std::uint64_t>(io->GetImageSizeInBytes()));
     say_progress(0.2);
-    const auto reader = itk::ImageFileReader<FloatImage>::New();
-    reader->SetImageIO(io);
-    reader->SetFileName(path.string());
-    reader->Update();
+    const auto voxels = stored_voxels(*io);
+    const auto type = io->GetComponentType();
+    io = nullptr;
     say_progress(0.7);
-    MOR_TRY(volume.hu, hu_of(*reader->GetOutput(), name));
-    return volume;
+    MOR_TRY(const auto hu, open_voxels(header));
+    return to_hu(type, voxels, hu, name);
   } catch (const itk::ExceptionObject&) {
     // ITK's sentence is several lines about its own source: it does not help who has the file.
     return make_error(ErrorCode::kIo,

@@ -6,11 +6,9 @@
 
 #include "morgagni/core/result.h"
 
-#include "messages.h"
-
 namespace mor::import {
 
-/// Reads a NIfTI, NRRD or MetaImage file as HU. @errors As import_volume().
-[[nodiscard]] Result<ImportedVolume> read_image_file(const std::filesystem::path& path);
+/// Reads a NIfTI, NRRD or MetaImage file as HU and hands it over. @errors As import_volume().
+[[nodiscard]] Result<void> import_image_file(const std::filesystem::path& path);
 
 }  // namespace mor::import

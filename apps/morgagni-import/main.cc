@@ -5,51 +5,55 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <new>
+#include <string>
+#include <string_view>
 
-#include <signal.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 
-#include "dicom_folder.h"
+#include "dicom_study.h"
 #include "image_file.h"
 #include "messages.h"
+#include "sandbox.h"
+#include "study_files.h"
 
 namespace {
 
 using mor::Result;
-using mor::import::ImportedVolume;
+namespace fs = std::filesystem;
 
-/// The file's parser may want any amount of memory and time: this is what it gets.
-void set_limits() {
-  const auto limit = [](auto resource, rlim_t value) {
-    const rlimit both = {value, value};
-    (void)::setrlimit(resource, &both);
-  };
-  constexpr rlim_t kMaxCpuSeconds = 300;
-  limit(RLIMIT_CPU, kMaxCpuSeconds);
-  limit(RLIMIT_CORE, 0);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  // A sanitizer reserves terabytes of addresses for itself.
-  constexpr rlim_t kMaxMemoryBytes = rlim_t{7} << 30;
-  limit(RLIMIT_AS, kMaxMemoryBytes);
-#endif
-  ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0);
+struct Job {
+  std::string_view task;
+  fs::path path;
+  std::string series;
+};
+
+Result<void> work(const Job& job) {
+  const bool is_study = fs::is_directory(job.path) || mor::import::is_study_file(job.path);
+  if (job.task == mor::kListSeriesTask) {
+    if (is_study) return mor::import::list_dicom_series(job.path);
+    return mor::make_error(mor::ErrorCode::kUnsupported,
+                           job.path.string() + " is no DICOM folder or file: it has no series");
+  }
+  if (is_study) return mor::import::import_dicom(job.path, job.series);
+  if (job.series.empty()) return mor::import::import_image_file(job.path);
+  return mor::make_error(mor::ErrorCode::kInvalidArgument,
+                         job.path.string() +
+                             " is no DICOM folder or file: it has no series to "
+                             "choose from");
 }
 
-Result<ImportedVolume> read_any(const std::filesystem::path& path) {
+Result<void> work_safely(const Job& job) {
   try {
-    if (std::filesystem::is_directory(path)) return mor::import::read_dicom_folder(path);
-    return mor::import::read_image_file(path);
+    return work(job);
   } catch (const std::bad_alloc&) {
     return mor::make_error(mor::ErrorCode::kIo,
-                           path.string() +
+                           job.path.string() +
                                " asks for more memory than an import may use: it is "
                                "damaged or too large");
   } catch (const std::exception& failure) {
     return mor::make_error(mor::ErrorCode::kIo,
-                           path.string() + " cannot be read: " + failure.what());
+                           job.path.string() + " cannot be read: " + failure.what());
   }
 }
 
@@ -57,18 +61,13 @@ Result<ImportedVolume> read_any(const std::filesystem::path& path) {
 
 int main(int argc, char** argv) {
   struct stat info {};
-  if (argc != 2 || ::fstat(mor::kImportVoxelsFd, &info) != 0) {
+  if (argc != 4 || ::fstat(mor::kImportVoxelsFd, &info) != 0) {
     std::fputs("morgagni-import is started by morgagni, it is of no use alone.\n", stderr);
     return 2;
   }
-  set_limits();
-  const auto volume = read_any(argv[1]);
-  if (!volume) {
-    mor::import::say_error(volume.error());
-    return 1;
-  }
-  if (const auto handed = mor::import::hand_over(*volume); !handed) {
-    mor::import::say_error(handed.error());
+  mor::import::give_up_rights();
+  if (const auto done = work_safely({argv[1], argv[2], argv[3]}); !done) {
+    mor::import::say_error(done.error());
     return 1;
   }
   return 0;

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <string>
 
+#include <sys/mman.h>
 #include <unistd.h>
 
 namespace mor::import {
@@ -46,6 +48,34 @@ void say_note(std::string_view sentence) {
   say('n', sentence);
 }
 
+void say_series(const CtSeries& series) {
+  std::string line;
+  for (std::string field : {series.uid,
+                            series.description,
+                            series.patient_id,
+                            series.patient_position,
+                            std::to_string(series.num_slices),
+                            std::to_string(series.columns),
+                            std::to_string(series.rows),
+                            std::to_string(series.min_gap_mm),
+                            std::to_string(series.max_gap_mm)}) {
+    constexpr std::size_t kMaxFieldBytes = 128;
+    field.resize(std::min(field.size(), kMaxFieldBytes));
+    std::replace(field.begin(), field.end(), '\t', ' ');
+    line += field + '\t';
+  }
+  say('s', line);
+}
+
+std::string some_of(const std::vector<std::string>& names) {
+  constexpr std::size_t kMost = 5;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i)
+    text += (i == 0 ? "" : ", ") + names[i];
+  if (names.size() > kMost) text += " and " + std::to_string(names.size() - kMost) + " more";
+  return text;
+}
+
 void say_error(const Error& error) {
   say('e', std::to_string(static_cast<int>(error.code)) + " " + error.message);
 }
@@ -57,11 +87,20 @@ void set_description(ImportHeader& header, std::string_view text) {
               header.description.begin());
 }
 
-Result<void> hand_over(const ImportedVolume& volume) {
-  if (!write_all(kImportVoxelsFd, &volume.header, sizeof(volume.header)) ||
-      !write_all(kImportVoxelsFd, volume.hu.data(), volume.hu.size() * sizeof(std::int16_t)))
-    return make_error(ErrorCode::kIo, "there is not enough memory to hand the CT over");
-  return {};
+Result<std::span<std::int16_t>> open_voxels(const ImportHeader& header) {
+  const auto no_memory =
+      make_error(ErrorCode::kIo, "there is not enough memory to hand the CT over");
+  std::size_t num_voxels = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    num_voxels *= static_cast<std::size_t>(header.size[axis]);
+  const std::size_t num_bytes = sizeof(header) + num_voxels * sizeof(std::int16_t);
+  if (::ftruncate(kImportVoxelsFd, static_cast<off_t>(num_bytes)) != 0) return no_memory;
+  void* memory = ::mmap(nullptr, num_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, kImportVoxelsFd, 0);
+  if (memory == MAP_FAILED) return no_memory;
+  std::memcpy(memory, &header, sizeof(header));
+  // Mapped until the process ends, which is when the parent takes it over.
+  auto* voxels = reinterpret_cast<std::int16_t*>(static_cast<char*>(memory) + sizeof(header));
+  return std::span<std::int16_t>(voxels, num_voxels);
 }
 
 }  // namespace mor::import

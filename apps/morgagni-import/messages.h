@@ -2,30 +2,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "morgagni/core/result.h"
+#include "morgagni/ct/ct_series.h"
 #include "morgagni/ct/import_protocol.h"
 
 namespace mor::import {
-
-/// A volume as it goes to the parent.
-struct ImportedVolume {
-  ImportHeader header;
-  std::vector<std::int16_t> hu;
-};
 
 /// The lines of the protocol (morgagni/ct/import_protocol.h). Sent at once, so that they arrive
 /// even when the next step crashes.
 void say_progress(double fraction);
 void say_file(std::string_view name);
 void say_note(std::string_view sentence);
+void say_series(const CtSeries& series);
 void say_error(const Error& error);
+
+/// The first of the names, and how many more there are.
+[[nodiscard]] std::string some_of(const std::vector<std::string>& names);
 
 void set_description(ImportHeader& header, std::string_view text);
 
-/// Writes header and voxels to the parent's memory file. @errors kIo.
-[[nodiscard]] Result<void> hand_over(const ImportedVolume& volume);
+/// Writes the header to the parent's memory file and gives the place for the voxels behind it: what
+/// is written there needs no copy to be handed over. @errors kIo.
+[[nodiscard]] Result<std::span<std::int16_t>> open_voxels(const ImportHeader& header);
 
 }  // namespace mor::import

@@ -14,7 +14,7 @@ using Slice = std::vector<std::int16_t>;
 
 constexpr std::int16_t kAirHu = -1024;
 constexpr double kMinGapMm = 0.01;
-constexpr double kMaxGapMm = 15.0;
+constexpr double kLeastSpacingMm = 0.3;  ///< Of uneven slices: finer than any scanner's detector.
 constexpr double kEvenGapRatio = 1.02;
 constexpr double kNegligibleShiftPx = 0.05;
 
@@ -75,6 +75,26 @@ Slice shifted(const Slice& slice,
   return result;
 }
 
+Result<void> check_gaps(const SliceStack& stack) {
+  const auto heights = heights_of(stack);
+  for (std::size_t k = 0; k + 1 < heights.size(); ++k) {
+    const double gap_mm = heights[k + 1] - heights[k];
+    const std::string pair = stack.names[k] + " and " + stack.names[k + 1];
+    if (gap_mm < kMinGapMm) {
+      return make_error(ErrorCode::kUnsupported,
+                        "two slices lie at the same place and differ (" + pair +
+                            "): the series has several phases; keep one");
+    }
+    if (gap_mm > kMaxGapMm) {
+      return make_error(ErrorCode::kUnsupported,
+                        "two neighbouring slices lie " + std::to_string(gap_mm) + " mm apart (" +
+                            pair + "), more than " + std::to_string(kMaxGapMm) +
+                            " mm is not bridged: slices are missing");
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 StackShape shape_of(const SliceStack& stack) {
@@ -91,22 +111,27 @@ StackShape shape_of(const SliceStack& stack) {
   return shape;
 }
 
+std::vector<std::size_t> wide_gaps(const SliceStack& stack) {
+  constexpr double kWide = 1.5;
+  const auto heights = heights_of(stack);
+  std::vector<std::size_t> wide;
+  for (std::size_t k = 0; k + 1 < heights.size(); ++k) {
+    const double gap_mm = heights[k + 1] - heights[k];
+    double beside_mm = 0.0;
+    if (k > 0) beside_mm = heights[k] - heights[k - 1];
+    if (k + 2 < heights.size()) beside_mm = std::max(beside_mm, heights[k + 2] - heights[k + 1]);
+    if (gap_mm > kWide * beside_mm) wide.push_back(k);
+  }
+  return wide;
+}
+
 Result<ImportHeader> grid_for(const SliceStack& stack) {
   const StackShape shape = shape_of(stack);
-  if (shape.min_gap_mm < kMinGapMm) {
-    return make_error(ErrorCode::kUnsupported,
-                      "two slices lie at the same place: the folder holds the series twice, or "
-                      "several phases of it; keep one");
-  }
-  if (shape.max_gap_mm > kMaxGapMm) {
-    return make_error(ErrorCode::kUnsupported,
-                      "two neighbouring slices lie " + std::to_string(shape.max_gap_mm) +
-                          " mm apart, more than " + std::to_string(kMaxGapMm) +
-                          " mm is not bridged: slices are missing");
-  }
+  MOR_CHECK(check_gaps(stack));
   const auto heights = heights_of(stack);
   const auto num_gaps = static_cast<double>(heights.size() - 1);
-  const double spacing_z_mm = is_even(shape) ? heights.back() / num_gaps : shape.min_gap_mm;
+  const double spacing_z_mm =
+      is_even(shape) ? heights.back() / num_gaps : std::max(shape.min_gap_mm, kLeastSpacingMm);
   const Eigen::AlignedBox2d offsets = offsets_of(stack);
   Eigen::Vector2d extra_px = Eigen::Vector2d::Zero();
   if (!is_straight(stack)) extra_px = offsets.sizes().cwiseQuotient(stack.spacing_mm);
@@ -125,9 +150,10 @@ Result<ImportHeader> grid_for(const SliceStack& stack) {
   return grid;
 }
 
-Result<std::vector<std::int16_t>> resample(
+Result<void> resample(
     const SliceStack& stack,
     const ImportHeader& grid,
+    std::span<std::int16_t> hu,
     const std::function<Result<std::vector<std::int16_t>>(std::size_t)>& pixels_of) {
   const auto heights = heights_of(stack);
   const bool straight = is_straight(stack);
@@ -140,7 +166,6 @@ Result<std::vector<std::int16_t>> resample(
   };
 
   const std::size_t slice_voxels = static_cast<std::size_t>(grid.size[0]) * grid.size[1];
-  Slice hu(slice_voxels * grid.size[2]);
   MOR_TRY(Slice below, on_grid(0));
   MOR_TRY(Slice above, on_grid(1));
   std::size_t k = 0;
@@ -156,12 +181,18 @@ Result<std::vector<std::int16_t>> resample(
     const double exact = (height - heights[k]) / (heights[k + 1] - heights[k]);
     const auto share =
         static_cast<float>(even ? z - static_cast<int>(k) : std::clamp(exact, 0.0, 1.0));
-    for (std::size_t i = 0; i < slice_voxels; ++i) {
-      hu[z * slice_voxels + i] =
-          static_cast<std::int16_t>(std::lround(below[i] + share * (above[i] - below[i])));
+    const auto slice = hu.subspan(static_cast<std::size_t>(z) * slice_voxels, slice_voxels);
+    if (share == 0.0F) {
+      std::copy(below.begin(), below.end(), slice.begin());
+    } else if (share == 1.0F) {
+      std::copy(above.begin(), above.end(), slice.begin());
+    } else {
+      for (std::size_t i = 0; i < slice_voxels; ++i)
+        slice[i] = static_cast<std::int16_t>(std::lround(
+            static_cast<float>(below[i]) + share * static_cast<float>(above[i] - below[i])));
     }
   }
-  return hu;
+  return {};
 }
 
 }  // namespace mor::import

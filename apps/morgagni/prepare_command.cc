@@ -18,8 +18,27 @@ namespace {
 struct Arguments {
   std::filesystem::path ct;
   std::filesystem::path folder;
+  bool list_series = false;
   PrepareOptions options;
 };
+
+void list_series(const std::filesystem::path& ct) {
+  const auto all = value_or_exit(list_ct_series(ct, {}));
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto& series = all[i];
+    fmt::print("{}  \"{}\"  {} slices of {}x{}, {:.2f} to {:.2f} mm apart, {}, patient {}, {}\n",
+               i + 1,
+               series.description,
+               series.num_slices,
+               series.columns,
+               series.rows,
+               series.min_gap_mm,
+               series.max_gap_mm,
+               series.patient_position.empty() ? "no position" : series.patient_position,
+               series.patient_id,
+               series.uid);
+  }
+}
 
 void prepare(const Arguments& arguments) {
   const auto summary = value_or_exit(
@@ -41,11 +60,20 @@ void add_prepare_command(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
   auto* command =
       app.add_subcommand("prepare", "Make a case from a CT: skin, bones, distance field");
-  command->add_option("CT", arguments->ct, "DICOM folder, or a NIfTI, NRRD or MetaImage file")
-      ->required();
   command
-      ->add_option("--case", arguments->folder, "Folder of the case; replaced if it is one already")
+      ->add_option("CT",
+                   arguments->ct,
+                   "DICOM folder, DICOMDIR, .zip or multi-frame file, or a NIfTI, NRRD or "
+                   "MetaImage file")
       ->required();
+  auto* folder = command->add_option(
+      "--case", arguments->folder, "Folder of the case; replaced if it is one already");
+  command
+      ->add_option("--series",
+                   arguments->options.ct.series,
+                   "Of several DICOM series: number in the list, UID or description")
+      ->excludes(command->add_flag(
+          "--list-series", arguments->list_series, "List the DICOM series and stop"));
   auto& skin = arguments->options.skin;
   auto& bone = arguments->options.bone;
   command->add_option("--vertices", skin.num_vertices, "Vertices of the remeshed skin")
@@ -66,9 +94,14 @@ void add_prepare_command(CLI::App& app) {
       ->capture_default_str();
   command->footer(
       "Examples:\n"
-      "  morgagni prepare /media/cd/DICOM --case cases/0815\n"
+      "  morgagni prepare /media/cd/DICOM --list-series\n"
+      "  morgagni prepare /media/cd/DICOM --series 2 --case cases/0815\n"
       "  morgagni prepare head.nii.gz --case cases/head --threshold-hu -250");
-  command->callback([arguments] { prepare(*arguments); });
+  command->callback([arguments, folder] {
+    if (arguments->list_series) return list_series(arguments->ct);
+    if (folder->count() == 0) throw CLI::RequiredError("--case");
+    prepare(*arguments);
+  });
 }
 
 }  // namespace mor

@@ -81,7 +81,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   const int num_vertices = argc > 2 ? std::atoi(argv[2]) : 20000;
-  const auto volume = import_volume(argv[1], {});
+  const auto volume = import_volume(argv[1], {}, {});
   const auto skin = volume ? extract_skin(*volume, {.num_vertices = 100, .sub_sampling = 1}, {})
                            : Result<SkinSurfaces>(tl::unexpected(volume.error()));
   if (!skin) {

@@ -19,7 +19,7 @@ const std::optional<Volume>& chest() {
   static const std::optional<Volume> volume = []() -> std::optional<Volume> {
     const char* folder = std::getenv("MORGAGNI_CHEST");
     if (folder == nullptr) return std::nullopt;
-    auto read = import_volume(folder, {});
+    auto read = import_volume(folder, {}, {});
     if (!read) return std::nullopt;
     Volume full = *read;
     full.size[2] = 2 * read->size[2] - 1;

@@ -16,7 +16,6 @@
 #include "morgagni/core/files.h"
 #include "morgagni/core/pending_folder.h"
 #include "morgagni/core/version.h"
-#include "morgagni/ct/volume_import.h"
 #include "morgagni/geometry/triangle_mesh_io.h"
 #include "morgagni/registration/distance_field.h"
 
@@ -135,7 +134,7 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
   MOR_CHECK(check_target(folder));
 
   const auto started = Clock::now();
-  MOR_TRY(const Volume volume, import_volume(ct, progress));
+  MOR_TRY(const Volume volume, import_volume(ct, options.ct, progress));
   const auto read = Clock::now();
 
   MOR_TRY(auto skin, extract_skin(volume, options.skin, progress));

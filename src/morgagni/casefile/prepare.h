@@ -7,10 +7,12 @@
 #include "morgagni/core/progress.h"
 #include "morgagni/core/result.h"
 #include "morgagni/ct/surfaces.h"
+#include "morgagni/ct/volume_import.h"
 
 namespace mor {
 
 struct PrepareOptions {
+  ImportOptions ct;
   SkinOptions skin;
   BoneOptions bone;
 };
@@ -31,7 +33,7 @@ struct PrepareSummary {
 /// old case, or the new one, or none: never half of one. What a killed run left is removed by the
 /// next.
 ///
-/// @param ct      DICOM folder, NIfTI, NRRD or MetaImage file.
+/// @param ct      As import_volume() reads it.
 /// @param folder  The case. Made, or replaced when it is a case already.
 /// @errors As import_volume and extract_skin; kInvalidArgument: `folder` exists and is no case;
 /// kIo.

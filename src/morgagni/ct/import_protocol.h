@@ -7,14 +7,17 @@
 
 namespace mor {
 
-/// What `morgagni-import` hands back to the process that started it. The voxels go through a memory
-/// file on `kImportVoxelsFd`: an ImportHeader, then size[0] * size[1] * size[2] int16 HU values.
-/// Everything that is said goes through a pipe on `kImportMessagesFd`, a line each, the first
-/// character telling which:
+/// `morgagni-import TASK PATH SERIES` reads PATH for the process that started it. The voxels go
+/// through a memory file on `kImportVoxelsFd`: an ImportHeader, then size[0] * size[1] * size[2]
+/// int16 HU values. Everything that is said goes through a pipe on `kImportMessagesFd`, a line
+/// each, the first character telling which:
 ///   p FRACTION        progress, 0 to 1
 ///   f NAME            the file that is read now, so that a crash can be blamed on it
 ///   n SENTENCE        a note: something was skipped or changed
+///   s FIELDS          a series: the fields of CtSeries in their order, each ended by a tab
 ///   e CODE SENTENCE   why there is no volume; CODE is an ErrorCode as a number
+inline constexpr const char* kReadVolumeTask = "volume";
+inline constexpr const char* kListSeriesTask = "list-series";
 inline constexpr int kImportMessagesFd = 3;
 inline constexpr int kImportVoxelsFd = 4;
 inline constexpr std::array<char, 8> kImportMagic = {'M', 'O', 'R', 'V', 'O', 'L', '0', '1'};

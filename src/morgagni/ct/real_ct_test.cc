@@ -17,6 +17,8 @@
 #include "morgagni/ct/mesh_quality.h"
 #include "morgagni/ct/surfaces.h"
 #include "morgagni/ct/volume_import.h"
+#include "morgagni/geometry/kd_tree.h"
+#include "morgagni/geometry/rigid.h"
 #include "morgagni/geometry/triangle_mesh_io.h"
 
 namespace mor {
@@ -108,7 +110,7 @@ TEST(RealCt, FullSizeChestMeetsThePromisedFigures) {
   const std::string archive = "ct_chest_lidc0314/lidc0314_138x2mm_dicom.tar.xz";
   if (!fs::exists(data(archive))) GTEST_SKIP() << "no " << archive;
   const Unpacked chest(archive);
-  const auto read = import_volume(chest.folder(), {});
+  const auto read = import_volume(chest.folder(), {}, {});
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->size, (std::array{512, 512, 138}));
   const auto volume = with_twice_the_slices(*read);
@@ -125,7 +127,7 @@ TEST(RealCt, FullSizeChestMeetsThePromisedFigures) {
 TEST(RealCt, HeadMeetsThePromisedFigures) {
   const auto file = data("ct_head_invesalius/promed_ct_0051.nii.gz");
   if (!fs::exists(file)) GTEST_SKIP() << "no " << file;
-  const auto volume = import_volume(file, {});
+  const auto volume = import_volume(file, {}, {});
   ASSERT_TRUE(volume) << volume.error().message;
   const auto skin = extract_skin(*volume, {}, {});
   ASSERT_TRUE(skin) << skin.error().message;
@@ -136,7 +138,7 @@ TEST(RealCt, HeadMeetsThePromisedFigures) {
 
 TEST(RealCt, BunnyIsNotMirrored) {
   if (!fs::exists(data("bunny/bunny_ct_half.nii.gz"))) GTEST_SKIP() << "no bunny";
-  const auto volume = import_volume(data("bunny/bunny_ct_half.nii.gz"), {});
+  const auto volume = import_volume(data("bunny/bunny_ct_half.nii.gz"), {}, {});
   ASSERT_TRUE(volume) << volume.error().message;
   EXPECT_NEAR(volume->ct_from_grid.linear().determinant(), 1.0, 1e-6);
   auto mesh = read_ply(data("bunny/bun_zipper_res2.ply"));
@@ -168,11 +170,67 @@ TEST(RealCt, TiltedHeadComesOutUpright) {
   const std::string archive = "ct_head_tilt_ge/ge_head_tilt18_dicom.tar.xz";
   if (!fs::exists(data(archive))) GTEST_SKIP() << "no " << archive;
   const Unpacked head(archive);
-  const auto volume = import_volume(head.folder(), {});
+  const auto volume = import_volume(head.folder(), {}, {});
   ASSERT_TRUE(volume) << volume.error().message;
   EXPECT_NEAR(volume->spacing_mm.z(), 1.08, 0.01) << "the smallest of 4.0, 7.0 and 1.08 mm";
   EXPECT_GT(volume->size[1], 512) << "room for the shear";
   EXPECT_TRUE(extract_skin(*volume, {}, {}));
+}
+
+/// The phantom's plastic shell, from one scan.
+TriangleMesh shell_of(const std::string& archive) {
+  const Unpacked folder(archive);
+  const auto volume = import_volume(folder.folder(), {}, {});
+  EXPECT_TRUE(volume) << volume.error().message;
+  constexpr double kPlasticHu = 0.0;
+  const auto plastic = internal::threshold(*volume, kPlasticHu, 32767.0);
+  return internal::marching_cubes(*volume, plastic, kPlasticHu);
+}
+
+/// ICP with the nearest vertices of a dense surface; the closest three quarters count.
+Eigen::Isometry3d aligned(const std::vector<Eigen::Vector3f>& fixed,
+                          const std::vector<Eigen::Vector3d>& moving) {
+  const KdTree tree(fixed);
+  Eigen::Isometry3d fixed_from_moving = Eigen::Isometry3d::Identity();
+  for (int round = 0; round < 30; ++round) {
+    std::vector<std::pair<float, std::size_t>> order;
+    std::vector<Eigen::Vector3d> partners;
+    for (std::size_t i = 0; i < moving.size(); ++i) {
+      const auto near = tree.nearest((fixed_from_moving * moving[i]).cast<float>());
+      order.emplace_back(near.distance_sq_mm2, i);
+      partners.push_back(fixed[near.index].cast<double>());
+    }
+    std::sort(order.begin(), order.end());
+    std::vector<Eigen::Vector3d> a;
+    std::vector<Eigen::Vector3d> b;
+    for (std::size_t k = 0; k < order.size() * 3 / 4; ++k) {
+      a.push_back(partners[order[k].second]);
+      b.push_back(moving[order[k].second]);
+    }
+    fixed_from_moving = fit_rigid(a, b).value();
+  }
+  return fixed_from_moving;
+}
+
+/// One rigid phantom, scanned with the gantry tilted and upright. A shear left in would not fit.
+TEST(RealCt, TiltedPhantomHasTheShapeOfTheUntilted) {
+  const std::string tilted_archive = "phantom_skull_philips/skull_tilt_p16_dicom.tar.xz";
+  if (!fs::exists(data(tilted_archive))) GTEST_SKIP() << "no " << tilted_archive;
+  const auto tilted = shell_of(tilted_archive);
+  const auto upright = shell_of("phantom_skull_philips/skull_untilted_5mm_dicom.tar.xz");
+  constexpr std::size_t kStep = 250;
+  std::vector<Eigen::Vector3d> moving;
+  for (std::size_t i = 0; i < upright.vertices.size(); i += kStep)
+    moving.push_back(upright.vertices[i].cast<double>());
+  const auto tilted_from_upright = aligned(tilted.vertices, moving);
+  const internal::TriangleGrid grid(tilted);
+  std::vector<double> distances;
+  for (const auto& place : moving)
+    distances.push_back(grid.distance_mm((tilted_from_upright * place).cast<float>()));
+  std::sort(distances.begin(), distances.end());
+  EXPECT_LE(distances[distances.size() / 2], 0.5);
+  std::cout << "median " << distances[distances.size() / 2] << " mm, p75 "
+            << distances[distances.size() * 3 / 4] << " mm\n";
 }
 
 }  // namespace

@@ -5,17 +5,35 @@
 #include <chrono>
 #include <system_error>
 
+#include "morgagni/ct/import_protocol.h"
 #include "morgagni/ct/internal/import_process.h"
 
 namespace mor {
+namespace {
 
-Result<Volume> import_volume(const std::filesystem::path& path, const Progress& progress) {
-  constexpr std::chrono::seconds kTimeLimit{600};
+constexpr std::chrono::seconds kTimeLimit{600};
+
+Result<std::filesystem::path> program_for(const std::filesystem::path& path) {
   std::error_code failure;
   if (!std::filesystem::exists(path, failure))
     return make_error(ErrorCode::kNotFound, "there is no file or folder " + path.string());
-  MOR_TRY(const auto program, internal::find_import_program());
-  return internal::run_import_process(program, path, kTimeLimit, progress);
+  return internal::find_import_program();
+}
+
+}  // namespace
+
+Result<Volume> import_volume(const std::filesystem::path& path,
+                             const ImportOptions& options,
+                             const Progress& progress) {
+  MOR_TRY(const auto program, program_for(path));
+  return internal::run_import_process(
+      program, {kReadVolumeTask, path, options.series}, kTimeLimit, progress);
+}
+
+Result<std::vector<CtSeries>> list_ct_series(const std::filesystem::path& path,
+                                             const Progress& progress) {
+  MOR_TRY(const auto program, program_for(path));
+  return internal::run_series_process(program, {kListSeriesTask, path, {}}, kTimeLimit, progress);
 }
 
 }  // namespace mor

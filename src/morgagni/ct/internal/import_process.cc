@@ -31,6 +31,7 @@ namespace {
 constexpr std::string_view kStage = "read CT";
 constexpr std::size_t kMaxLineBytes = 4096;
 constexpr int kMaxNotes = 20;
+constexpr std::size_t kMaxSeries = 1000;
 
 /// A file descriptor that closes itself.
 class Fd {
@@ -60,6 +61,7 @@ struct Talk {
   std::string pending;
   std::string current_file;
   std::optional<Error> error;
+  std::vector<CtSeries> series;
   int num_notes = 0;
   bool broken = false;
 };
@@ -71,6 +73,34 @@ Error error_of(std::string_view text) {
   if (parsed.ec != std::errc() || code < 0 || code > static_cast<int>(ErrorCode::kInternal))
     return {ErrorCode::kIo, std::string(text)};
   return {static_cast<ErrorCode>(code), std::string(text.substr(std::min(start + 1, text.size())))};
+}
+
+template <class Number>
+Number number_of(std::string_view text) {
+  Number number{};
+  std::from_chars(text.data(), text.data() + text.size(), number);
+  return number;
+}
+
+/// None where the line has not all of its fields.
+std::optional<CtSeries> series_of(std::string_view text) {
+  std::vector<std::string> fields;
+  for (std::size_t end; (end = text.find('\t')) != std::string_view::npos;
+       text.remove_prefix(end + 1))
+    fields.emplace_back(text.substr(0, end));
+  constexpr std::size_t kNumFields = 9;
+  if (fields.size() != kNumFields) return std::nullopt;
+  CtSeries series;
+  series.uid = fields[0];
+  series.description = fields[1];
+  series.patient_id = fields[2];
+  series.patient_position = fields[3];
+  series.num_slices = number_of<int>(fields[4]);
+  series.columns = number_of<int>(fields[5]);
+  series.rows = number_of<int>(fields[6]);
+  series.min_gap_mm = number_of<double>(fields[7]);
+  series.max_gap_mm = number_of<double>(fields[8]);
+  return series;
 }
 
 void hear_line(std::string_view line, Talk& talk, const Progress& progress) {
@@ -85,6 +115,9 @@ void hear_line(std::string_view line, Talk& talk, const Progress& progress) {
     talk.current_file = text;
   } else if (line[0] == 'n') {
     if (++talk.num_notes <= kMaxNotes) log::warn("{}", text);
+  } else if (line[0] == 's') {
+    if (auto series = series_of(text); series && talk.series.size() < kMaxSeries)
+      talk.series.push_back(*std::move(series));
   } else if (line[0] == 'e' && !talk.error) {
     talk.error = error_of(text);
   }
@@ -123,7 +156,7 @@ bool listen_to_child(int pipe_fd,
 /// Starts the program with only the three standard streams (to nowhere), the pipe and the memory
 /// file: nothing else that this process has open is inherited.
 Result<pid_t> spawn(const std::filesystem::path& program,
-                    const std::filesystem::path& path,
+                    const ImportJob& job,
                     int messages_fd,
                     int voxels_fd) {
   posix_spawn_file_actions_t actions;
@@ -135,8 +168,11 @@ Result<pid_t> spawn(const std::filesystem::path& program,
   posix_spawn_file_actions_adddup2(&actions, voxels_fd, kImportVoxelsFd);
   posix_spawn_file_actions_addclosefrom_np(&actions, kImportVoxelsFd + 1);
   std::string program_text = program.string();
-  std::string path_text = path.string();
-  std::array<char*, 3> arguments = {program_text.data(), path_text.data(), nullptr};
+  std::string task_text = job.task;
+  std::string path_text = job.path.string();
+  std::string series_text = job.series;
+  std::array<char*, 5> arguments = {
+      program_text.data(), task_text.data(), path_text.data(), series_text.data(), nullptr};
   pid_t child = -1;
   const int failure =
       ::posix_spawn(&child, program_text.c_str(), &actions, nullptr, arguments.data(), environ);
@@ -200,6 +236,38 @@ Error death_of_child(int status, const Talk& talk, const std::filesystem::path& 
           "the import process " + how + " while reading " + what + ": the file may be damaged"};
 }
 
+/// Starts the program, hears it to its end and finds out how it ended.
+Result<Talk> converse(const std::filesystem::path& program,
+                      const ImportJob& job,
+                      const Fd& voxels,
+                      std::chrono::seconds time_limit,
+                      const Progress& progress) {
+  std::array<int, 2> pipe_fds{};
+  if (::pipe2(pipe_fds.data(), O_CLOEXEC) != 0)
+    return make_error(ErrorCode::kIo, "cannot open a pipe to the import process");
+  const Fd messages(pipe_fds[0]);
+  Fd messages_of_child(above_the_fixed_ones(pipe_fds[1]));
+  if (messages_of_child.get() < 0 || voxels.get() < 0)
+    return make_error(ErrorCode::kIo, "cannot make a memory file for the import process");
+  MOR_TRY(const pid_t child, spawn(program, job, messages_of_child.get(), voxels.get()));
+  messages_of_child.reset();
+  Talk talk;
+  const auto deadline = std::chrono::steady_clock::now() + time_limit;
+  const bool in_time = listen_to_child(messages.get(), deadline, talk, progress);
+  if (!in_time || talk.broken) ::kill(child, SIGKILL);
+  const int status = wait_for(child);
+  if (!in_time) {
+    return make_error(ErrorCode::kTimeout,
+                      "reading " + job.path.string() + " took longer than " +
+                          std::to_string(time_limit.count()) + " s");
+  }
+  if (talk.error) return tl::unexpected<Error>(*talk.error);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    return tl::unexpected<Error>(death_of_child(status, talk, job.path));
+  if (talk.num_notes > kMaxNotes) log::warn("{} more notes", talk.num_notes - kMaxNotes);
+  return talk;
+}
+
 }  // namespace
 
 Result<std::filesystem::path> find_import_program() {
@@ -216,37 +284,24 @@ Result<std::filesystem::path> find_import_program() {
 }
 
 Result<Volume> run_import_process(const std::filesystem::path& program,
-                                  const std::filesystem::path& path,
+                                  const ImportJob& job,
                                   std::chrono::seconds time_limit,
                                   const Progress& progress) {
-  std::array<int, 2> pipe_fds{};
-  if (::pipe2(pipe_fds.data(), O_CLOEXEC) != 0)
-    return make_error(ErrorCode::kIo, "cannot open a pipe to the import process");
-  const Fd messages(pipe_fds[0]);
-  Fd messages_of_child(above_the_fixed_ones(pipe_fds[1]));
   const Fd voxels(above_the_fixed_ones(::memfd_create("morgagni-import", MFD_CLOEXEC)));
-  if (messages_of_child.get() < 0 || voxels.get() < 0)
-    return make_error(ErrorCode::kIo, "cannot make a memory file for the import process");
-
-  MOR_TRY(const pid_t child, spawn(program, path, messages_of_child.get(), voxels.get()));
-  messages_of_child.reset();
-  Talk talk;
-  const auto deadline = std::chrono::steady_clock::now() + time_limit;
-  const bool in_time = listen_to_child(messages.get(), deadline, talk, progress);
-  if (!in_time || talk.broken) ::kill(child, SIGKILL);
-  const int status = wait_for(child);
-  if (!in_time) {
-    return make_error(ErrorCode::kTimeout,
-                      "reading " + path.string() + " took longer than " +
-                          std::to_string(time_limit.count()) + " s");
-  }
-  if (talk.error) return tl::unexpected<Error>(*talk.error);
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    return tl::unexpected<Error>(death_of_child(status, talk, path));
+  MOR_TRY(const Talk talk, converse(program, job, voxels, time_limit, progress));
   MOR_TRY(Volume volume, take_volume(voxels.get()));
-  if (talk.num_notes > kMaxNotes) log::warn("{} more notes", talk.num_notes - kMaxNotes);
   if (progress) progress(kStage, 1.0);
   return volume;
+}
+
+Result<std::vector<CtSeries>> run_series_process(const std::filesystem::path& program,
+                                                 const ImportJob& job,
+                                                 std::chrono::seconds time_limit,
+                                                 const Progress& progress) {
+  const Fd nothing(above_the_fixed_ones(::memfd_create("morgagni-import", MFD_CLOEXEC)));
+  MOR_TRY(Talk talk, converse(program, job, nothing, time_limit, progress));
+  if (progress) progress(kStage, 1.0);
+  return std::move(talk.series);
 }
 
 }  // namespace mor::internal

@@ -4,9 +4,12 @@
 
 #include <chrono>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "morgagni/core/progress.h"
 #include "morgagni/core/result.h"
+#include "morgagni/ct/ct_series.h"
 #include "morgagni/ct/volume.h"
 
 namespace mor::internal {
@@ -14,13 +17,26 @@ namespace mor::internal {
 /// `morgagni-import` beside the running program, or in the folder `bin` beside that folder.
 [[nodiscard]] Result<std::filesystem::path> find_import_program();
 
-/// Runs `program` on `path` and takes over the volume it hands back (import_protocol.h), believing
-/// nothing: sizes, numbers and lengths are checked here again.
+/// What the program is asked for (import_protocol.h).
+struct ImportJob {
+  std::string task;
+  std::filesystem::path path;
+  std::string series;  ///< Empty: the only one.
+};
+
+/// Runs `program` on a job and takes over the volume it hands back, believing nothing: sizes,
+/// numbers and lengths are checked here again.
 /// @errors What the program says; kIo when it dies, lies or falls silent; kTimeout after
 /// `time_limit`.
 [[nodiscard]] Result<Volume> run_import_process(const std::filesystem::path& program,
-                                                const std::filesystem::path& path,
+                                                const ImportJob& job,
                                                 std::chrono::seconds time_limit,
                                                 const Progress& progress);
+
+/// The same for the series that the program finds.
+[[nodiscard]] Result<std::vector<CtSeries>> run_series_process(const std::filesystem::path& program,
+                                                               const ImportJob& job,
+                                                               std::chrono::seconds time_limit,
+                                                               const Progress& progress);
 
 }  // namespace mor::internal

@@ -1,0 +1,114 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sandbox.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <fstream>
+
+#include <fcntl.h>
+#include <seccomp.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "morgagni/ct/import_protocol.h"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define MOR_IMPORT_SANITIZED 1
+#else
+#define MOR_IMPORT_SANITIZED 0
+#endif
+
+namespace mor::import {
+namespace {
+
+constexpr std::uint64_t kFreeBytes = 256ULL << 20U;
+constexpr std::uint64_t kMostBytes = 2 * static_cast<std::uint64_t>(kMaxVolumeBytes) + kFreeBytes;
+
+void limit(int resource, rlim_t soft, rlim_t hard) {
+  const rlimit both = {soft, hard};
+  (void)::setrlimit(static_cast<__rlimit_resource>(resource), &both);
+}
+
+/// Private writable memory that the libraries took before anything was read.
+std::uint64_t bytes_at_start() {
+  static const std::uint64_t bytes = [] {
+    std::ifstream file("/proc/self/statm");
+    std::array<std::uint64_t, 6> pages{};
+    for (auto& number : pages) file >> number;
+    return pages[5] * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  }();
+  return bytes;
+}
+
+/// The system calls that reading files takes; all others fail with "not permitted".
+constexpr std::array kAllowed = {
+    SCMP_SYS(read),          SCMP_SYS(pread64),        SCMP_SYS(readv),
+    SCMP_SYS(write),         SCMP_SYS(writev),         SCMP_SYS(lseek),
+    SCMP_SYS(close),         SCMP_SYS(fstat),          SCMP_SYS(stat),
+    SCMP_SYS(lstat),         SCMP_SYS(newfstatat),     SCMP_SYS(statx),
+    SCMP_SYS(access),        SCMP_SYS(faccessat),      SCMP_SYS(faccessat2),
+    SCMP_SYS(readlink),      SCMP_SYS(readlinkat),     SCMP_SYS(getdents64),
+    SCMP_SYS(getcwd),        SCMP_SYS(fcntl),          SCMP_SYS(ftruncate),
+    SCMP_SYS(mmap),          SCMP_SYS(munmap),         SCMP_SYS(mremap),
+    SCMP_SYS(mprotect),      SCMP_SYS(madvise),        SCMP_SYS(brk),
+    SCMP_SYS(futex),         SCMP_SYS(sched_yield),    SCMP_SYS(sched_getaffinity),
+    SCMP_SYS(clock_gettime), SCMP_SYS(gettimeofday),   SCMP_SYS(getrandom),
+    SCMP_SYS(uname),         SCMP_SYS(sysinfo),        SCMP_SYS(getpid),
+    SCMP_SYS(gettid),        SCMP_SYS(getuid),         SCMP_SYS(geteuid),
+    SCMP_SYS(rt_sigaction),  SCMP_SYS(rt_sigprocmask), SCMP_SYS(rt_sigreturn),
+    SCMP_SYS(sigaltstack),   SCMP_SYS(tgkill),         SCMP_SYS(prlimit64),
+    SCMP_SYS(setrlimit),     SCMP_SYS(getrlimit),      SCMP_SYS(restart_syscall),
+    SCMP_SYS(exit),          SCMP_SYS(exit_group)};
+
+/// Without it (an old kernel, a container that forbids it) the other limits still hold.
+void filter_system_calls() {
+  scmp_filter_ctx filter = ::seccomp_init(SCMP_ACT_ERRNO(EPERM));
+  if (filter == nullptr) return;
+  for (const int call : kAllowed) (void)::seccomp_rule_add(filter, SCMP_ACT_ALLOW, call, 0);
+  constexpr scmp_datum_t kWritingFlags = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC;
+  (void)::seccomp_rule_add(filter,
+                           SCMP_ACT_ALLOW,
+                           SCMP_SYS(openat),
+                           1,
+                           SCMP_A2(SCMP_CMP_MASKED_EQ, kWritingFlags, O_RDONLY));
+  (void)::seccomp_rule_add(filter,
+                           SCMP_ACT_ALLOW,
+                           SCMP_SYS(open),
+                           1,
+                           SCMP_A1(SCMP_CMP_MASKED_EQ, kWritingFlags, O_RDONLY));
+  (void)::seccomp_load(filter);
+  ::seccomp_release(filter);
+}
+
+}  // namespace
+
+void give_up_rights() {
+  constexpr rlim_t kMaxCpuSeconds = 300;
+  constexpr rlim_t kMaxOpenFiles = 64;
+  limit(RLIMIT_CPU, kMaxCpuSeconds, kMaxCpuSeconds);
+  limit(RLIMIT_CORE, 0, 0);
+  limit(RLIMIT_NOFILE, kMaxOpenFiles, kMaxOpenFiles);
+  limit(RLIMIT_FSIZE, kMaxVolumeBytes + (1 << 20), kMaxVolumeBytes + (1 << 20));
+  ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0);
+  // A sanitizer needs memory and system calls of its own.
+  if (MOR_IMPORT_SANITIZED == 0) {
+    limit(RLIMIT_DATA, bytes_at_start() + kFreeBytes, bytes_at_start() + kMostBytes);
+    filter_system_calls();
+  }
+}
+
+void allow_memory(std::uint64_t declared_bytes) {
+  if (MOR_IMPORT_SANITIZED != 0) return;
+  rlimit now{};
+  if (::getrlimit(RLIMIT_DATA, &now) != 0) return;
+  const rlim_t wanted = bytes_at_start() + kFreeBytes + declared_bytes;
+  now.rlim_cur = std::clamp(wanted, now.rlim_cur, now.rlim_max);
+  (void)::setrlimit(RLIMIT_DATA, &now);
+}
+
+}  // namespace mor::import

@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+namespace mor::import {
+
+/// Gives up everything that reading a file does not need, for good: more than 300 s of processor
+/// time, more than 256 MiB until a size is declared, writing or making files, the network, other
+/// programs. What a hostile file makes of this process stays within it.
+void give_up_rights();
+
+/// Raises the memory limit to 256 MiB and what a file has declared, once that was found plausible.
+void allow_memory(std::uint64_t declared_bytes);
+
+}  // namespace mor::import
