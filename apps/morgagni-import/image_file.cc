@@ -71,6 +71,23 @@ Result<void> check_meta_length(const std::filesystem::path& path, std::uintmax_t
                         " are there");
 }
 
+/// Without the magic it would be an ANALYZE file, which says nothing about left and right.
+bool is_nifti_head(std::span<const char> bytes) {
+  constexpr std::size_t kMagic1At = 344;
+  constexpr std::size_t kMagic2At = 4;
+  if (bytes.size() < kMagic1At + 4) return false;
+  const auto is_at = [&](std::size_t at, std::string_view magic) {
+    return std::string_view(bytes.data() + at, magic.size()) == magic;
+  };
+  const auto begins = [&](unsigned char low, unsigned char high) {
+    const auto at = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
+    return (at(0) == low && at(1) == high && at(2) == 0 && at(3) == 0) ||
+           (at(3) == low && at(2) == high && at(1) == 0 && at(0) == 0);
+  };
+  if (begins(0x5c, 0x01)) return is_at(kMagic1At, "n+1") || is_at(kMagic1At, "ni1");
+  return begins(0x1c, 0x02) && (is_at(kMagic2At, "n+2") || is_at(kMagic2At, "ni2"));
+}
+
 /// ITK fills up a NIfTI that is cut short without a word too: all of it is read through once.
 /// @param num_voxels  That the header announces.
 Result<void> check_nifti_length(const std::filesystem::path& path, std::uintmax_t num_voxels) {
@@ -85,6 +102,11 @@ Result<void> check_nifti_length(const std::filesystem::path& path, std::uintmax_
   while (file) {
     const int got = ::gzread(file.get(), bytes.data(), static_cast<unsigned>(bytes.size()));
     if (got <= 0) break;
+    if (num_bytes == 0 && !is_nifti_head({bytes.data(), static_cast<std::size_t>(got)}))
+      return make_error(ErrorCode::kIo,
+                        path.filename().string() +
+                            " is no NIfTI file: its head is damaged, or of an older "
+                            "format that does not tell left from right");
     std::int32_t header_bytes = 0;
     std::memcpy(&header_bytes, bytes.data(), sizeof(header_bytes));
     if (num_bytes == 0 && got >= static_cast<int>(kHeaderBytes) && header_bytes == kHeaderBytes) {
@@ -105,6 +127,23 @@ Result<void> check_nifti_length(const std::filesystem::path& path, std::uintmax_
                     path.filename().string() +
                         " is cut short or damaged: " + std::to_string(num_wanted) +
                         " bytes are announced, " + std::to_string(num_bytes) + " can be read");
+}
+
+/// Teem ends the whole process over a NRRD of many dimensions: they are counted before it looks.
+Result<void> check_nrrd_dimensions(const std::filesystem::path& path) {
+  constexpr int kMaxLines = 200;
+  constexpr std::string_view kKey = "dimension:";
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  for (int i = 0; i < kMaxLines && std::getline(file, line) && !line.empty(); ++i) {
+    if (!line.starts_with(kKey)) continue;
+    const long num_dimensions = std::strtol(line.c_str() + kKey.size(), nullptr, 10);
+    if (num_dimensions >= 2 && num_dimensions <= 4) return {};
+    return make_error(ErrorCode::kUnsupported,
+                      path.filename().string() + " has " + std::to_string(num_dimensions) +
+                          " dimensions, a CT has 3: give a volume");
+  }
+  return {};
 }
 
 /// The reader that the file's name asks for; none for other names.
@@ -273,6 +312,8 @@ Result<void> import_image_file(const std::filesystem::path& path) {
             ".nii, .nii.gz, .nrrd, .nhdr, .mha or .mhd file");
   }
   say_file(path.string());
+  if (dynamic_cast<const itk::NrrdImageIO*>(io.GetPointer()) != nullptr)
+    MOR_CHECK(check_nrrd_dimensions(path));
   if (!io->CanReadFile(path.c_str()))
     return make_error(ErrorCode::kIo, name + " is damaged or not what its name says");
   try {
