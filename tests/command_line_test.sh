@@ -41,6 +41,7 @@ expect 2 "--frames" record --case "$scratch" --out "$scratch/r" --frames 0
 expect 1 "nowhere.nii" prepare "$scratch/nowhere.nii" --case "$scratch/case"
 expect 1 "nowhere.nii" prepare "$scratch/nowhere.nii" --list-series
 expect 2 "--list-series" prepare "$scratch/nowhere.nii" --list-series --series 2
+expect 1 "nowhere.nii" prepare "$scratch/nowhere.nii" --preview "$scratch/body.png"
 expect 1 "num_vertices" prepare "$scratch/nowhere.nii" --case "$scratch/case" --vertices 3
 mkdir "$scratch/pictures" && touch "$scratch/pictures/holiday.jpg"
 expect 1 "is no case" prepare "$scratch/nowhere.nii" --case "$scratch/pictures"

@@ -7,6 +7,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/casefile/prepare.h"
+#include "morgagni/core/files.h"
+#include "morgagni/core/image_png.h"
 #include "morgagni/core/progress.h"
 
 #include "commands.h"
@@ -18,6 +20,7 @@ namespace {
 struct Arguments {
   std::filesystem::path ct;
   std::filesystem::path folder;
+  std::filesystem::path preview;
   bool list_series = false;
   PrepareOptions options;
 };
@@ -40,6 +43,27 @@ void list_series(const std::filesystem::path& ct) {
   }
 }
 
+void print_cut(const std::vector<CutPart>& cut) {
+  for (const auto& part : cut) {
+    fmt::print("not the body: {:.0f} ml {} it, {:.0f} x {:.0f} x {:.0f} mm\n",
+               part.volume_ml,
+               part.place,
+               part.size_mm.x(),
+               part.size_mm.y(),
+               part.size_mm.z());
+  }
+}
+
+void preview(const Arguments& arguments) {
+  const auto progress = console_progress();
+  const auto volume = value_or_exit(import_volume(arguments.ct, arguments.options.ct, progress));
+  const auto body = value_or_exit(preview_body(volume, arguments.options.skin, progress));
+  value_or_exit(write_file(arguments.preview, encode_png(body.picture.view())));
+  print_cut(body.cut);
+  fmt::print("{}: the body has a green outline, what is cut off is red\n",
+             arguments.preview.string());
+}
+
 void prepare(const Arguments& arguments) {
   const auto summary = value_or_exit(
       prepare_case(arguments.ct, arguments.folder, arguments.options, console_progress()));
@@ -52,6 +76,7 @@ void prepare(const Arguments& arguments) {
       summary.num_bone_triangles,
       summary.reading_seconds,
       summary.seconds);
+  print_cut(summary.cut);
 }
 
 }  // namespace
@@ -74,6 +99,9 @@ void add_prepare_command(CLI::App& app) {
                    "Of several DICOM series: number in the list, UID or description")
       ->excludes(command->add_flag(
           "--list-series", arguments->list_series, "List the DICOM series and stop"));
+  command->add_option("--preview",
+                      arguments->preview,
+                      "Only draw what would be taken for the body into this PNG, and stop");
   auto& skin = arguments->options.skin;
   auto& bone = arguments->options.bone;
   command->add_option("--vertices", skin.num_vertices, "Vertices of the remeshed skin")
@@ -96,9 +124,11 @@ void add_prepare_command(CLI::App& app) {
       "Examples:\n"
       "  morgagni prepare /media/cd/DICOM --list-series\n"
       "  morgagni prepare /media/cd/DICOM --series 2 --case cases/0815\n"
+      "  morgagni prepare head.nii.gz --preview body.png --threshold-hu -250\n"
       "  morgagni prepare head.nii.gz --case cases/head --threshold-hu -250");
   command->callback([arguments, folder] {
     if (arguments->list_series) return list_series(arguments->ct);
+    if (!arguments->preview.empty()) return preview(*arguments);
     if (folder->count() == 0) throw CLI::RequiredError("--case");
     prepare(*arguments);
   });

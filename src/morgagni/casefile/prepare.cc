@@ -14,6 +14,7 @@
 #include "morgagni/casefile/case.h"
 #include "morgagni/casefile/internal/case_format.h"
 #include "morgagni/core/files.h"
+#include "morgagni/core/image_png.h"
 #include "morgagni/core/pending_folder.h"
 #include "morgagni/core/version.h"
 #include "morgagni/geometry/triangle_mesh_io.h"
@@ -104,14 +105,24 @@ Result<Json> hashes(const fs::path& folder) {
   return Json(by_name);
 }
 
+Json to_json(const std::vector<CutPart>& parts) {
+  Json list = Json::array();
+  for (const auto& part : parts)
+    list.push_back(
+        {{"place", part.place}, {"volume_ml", part.volume_ml}, {"size_mm", to_json(part.size_mm)}});
+  return list;
+}
+
 struct Prepared {
   TriangleMesh skin;
   TriangleMesh bone;
   DistanceField field;
+  std::vector<std::byte> preview;  ///< PNG.
 };
 
 Result<void> write_case(const fs::path& folder, const Prepared& prepared, Json& document) {
   MOR_CHECK(write_ply(folder / internal::kSkinFile, prepared.skin));
+  MOR_CHECK(write_file(folder / internal::kPreviewFile, prepared.preview));
   MOR_CHECK(write_distance_field(folder / internal::kFieldFile, prepared.field));
   document["structures"] = Json::array();
   if (!prepared.bone.empty()) {
@@ -147,6 +158,7 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
   summary.num_skin_vertices = skin.remeshed.vertices.size();
   summary.num_full_skin_vertices = skin.full.vertices.size();
   summary.num_bone_triangles = bone.triangles.size();
+  summary.cut = skin.preview.cut;
 
   progress("write case", 0.0);
   MOR_TRY(auto pending, PendingFolder::create(folder));
@@ -156,9 +168,14 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
       {"made_by", fmt::format("Morgagni {}", kVersion)},
       {"made_at", now_utc()},
       {"ct", identity(volume, ct)},
-      {"options", to_json(options)}};
-  MOR_CHECK(write_case(
-      pending.path(), {std::move(skin.remeshed), std::move(bone), std::move(field)}, document));
+      {"options", to_json(options)},
+      {"cut", to_json(skin.preview.cut)}};
+  MOR_CHECK(write_case(pending.path(),
+                       {std::move(skin.remeshed),
+                        std::move(bone),
+                        std::move(field),
+                        encode_png(skin.preview.picture.view())},
+                       document));
   MOR_CHECK(pending.commit());
   progress("write case", 1.0);
 

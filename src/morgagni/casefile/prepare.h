@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "morgagni/core/progress.h"
 #include "morgagni/core/result.h"
@@ -22,7 +23,8 @@ struct PrepareSummary {
   std::size_t num_skin_vertices = 0;
   std::size_t num_full_skin_vertices = 0;
   std::size_t num_bone_triangles = 0;
-  double seconds = 0.0;  ///< After reading.
+  std::vector<CutPart> cut;  ///< What lay beside the body.
+  double seconds = 0.0;      ///< After reading.
   double reading_seconds = 0.0;
 };
 

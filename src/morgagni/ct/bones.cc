@@ -116,7 +116,8 @@ Result<internal::BitMask> body_mask_of(const Volume& volume) {
   for (int z = 0; z < volume.size[2]; ++z)
     for (int y = 0; y < volume.size[1]; ++y)
       for (int x = 0; x < volume.size[0]; ++x)
-        if (coarse_body.test(x / step[0], y / step[1], z / step[2])) body.set_run(y, z, x, x + 1);
+        if (coarse_body.body.test(x / step[0], y / step[1], z / step[2]))
+          body.set_run(y, z, x, x + 1);
   return body;
 }
 

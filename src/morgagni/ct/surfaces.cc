@@ -8,6 +8,7 @@
 
 #include "morgagni/ct/acvd.h"
 #include "morgagni/ct/internal/body_mask.h"
+#include "morgagni/ct/internal/body_preview.h"
 #include "morgagni/ct/internal/marching_cubes.h"
 
 namespace mor {
@@ -29,17 +30,37 @@ Result<void> SkinOptions::check() const {
   return AcvdOptions{num_vertices, sub_sampling, gradation}.check();
 }
 
+namespace {
+
+BodyPreview preview_of(const Volume& volume, const internal::BodyMask& body) {
+  return {internal::cut_parts(volume, body.matter, body.body),
+          internal::draw_body_preview(volume, body.matter, body.body)};
+}
+
+internal::BodyMaskOptions body_options(const SkinOptions& options) {
+  return {options.threshold_hu, options.upper_hu, options.closing_mm};
+}
+
+}  // namespace
+
+Result<BodyPreview> preview_body(const Volume& volume,
+                                 const SkinOptions& options,
+                                 const Progress& progress) {
+  MOR_CHECK(options.check());
+  MOR_TRY(const auto body, internal::body_mask(volume, body_options(options), progress));
+  return preview_of(volume, body);
+}
+
 Result<SkinSurfaces> extract_skin(const Volume& volume,
                                   const SkinOptions& options,
                                   const Progress& progress) {
   MOR_CHECK(options.check());
-  const internal::BodyMaskOptions body_options = {
-      options.threshold_hu, options.upper_hu, options.closing_mm};
-  MOR_TRY(const auto body, internal::body_mask(volume, body_options, progress));
+  MOR_TRY(const auto body, internal::body_mask(volume, body_options(options), progress));
   SkinSurfaces surfaces;
   if (progress) progress("surface", 0.0);
-  surfaces.full = internal::marching_cubes(volume, body, options.threshold_hu);
+  surfaces.full = internal::marching_cubes(volume, body.body, options.threshold_hu);
   if (progress) progress("surface", 1.0);
+  surfaces.preview = preview_of(volume, body);
   const AcvdOptions remeshing = {options.num_vertices, options.sub_sampling, options.gradation};
   MOR_TRY(surfaces.remeshed, remesh_acvd(surfaces.full, remeshing, progress));
   return surfaces;

@@ -2,8 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <vector>
+
+#include "morgagni/core/image.h"
 #include "morgagni/core/progress.h"
 #include "morgagni/core/result.h"
+#include "morgagni/ct/cut_part.h"
 #include "morgagni/ct/volume.h"
 #include "morgagni/geometry/triangle_mesh.h"
 
@@ -24,9 +28,16 @@ struct SkinOptions {
   [[nodiscard]] Result<void> check() const;
 };
 
+/// What was taken for the body and what for its surroundings, for people to check.
+struct BodyPreview {
+  std::vector<CutPart> cut;  ///< What is not the body, the largest first.
+  Image<Rgb8> picture;       ///< Slices and views; what was cut is red.
+};
+
 struct SkinSurfaces {
   TriangleMesh full;  ///< Marching cubes on the closed body mask's grey values, frame ct, LPS mm.
   TriangleMesh remeshed;  ///< About `num_vertices`, with normals pointing out of the body.
+  BodyPreview preview;
 };
 
 /// Threshold, closing, largest body without the table, marching cubes, ACVD remeshing.
@@ -36,6 +47,11 @@ struct SkinSurfaces {
 [[nodiscard]] Result<SkinSurfaces> extract_skin(const Volume& volume,
                                                 const SkinOptions& options,
                                                 const Progress& progress);
+
+/// Only the first steps of it: to check the thresholds before a case is made. @errors The same.
+[[nodiscard]] Result<BodyPreview> preview_body(const Volume& volume,
+                                               const SkinOptions& options,
+                                               const Progress& progress);
 
 struct BoneOptions {
   double threshold_hu = 250.0;       ///< Bone is at or above this.

@@ -46,6 +46,59 @@ TEST(ExtractSkin, DropsTheTableAndFillsTheLung) {
   EXPECT_EQ(num_far, 0) << "of " << skin->full.vertices.size() << " vertices are table";
 }
 
+/// A trunk under a blanket, a tube along its side, a mattress' cover behind, an ear that stands
+/// out.
+TEST(ExtractSkin, DropsBlanketTubeAndCoverButNoEar) {
+  const auto ear_mm = [](const Eigen::Vector3d& place) {
+    const Eigen::Vector3d from = place - Eigen::Vector3d(-33, 0, 0);
+    return 1.0 - from.cwiseQuotient(Eigen::Vector3d(16, 4, 16)).norm();
+  };
+  const auto volume = make_volume(120, 1.0, [&](const Eigen::Vector3d& place) {
+    const double radius_mm = std::hypot(place.x(), place.y());
+    const double blanket =
+        place.y() < -8.0 ? 1.2 - std::abs(radius_mm - 31.0 - 0.1 * std::abs(place.x())) : -5.0;
+    const double tube = 4.0 - std::hypot(place.x() - 33.0, place.y() + 3.0);
+    const double cover = 1.0 - std::abs(place.y() - 30.5);
+    return std::max({30.0 - radius_mm, 4.0 * ear_mm(place), blanket, tube, cover});
+  });
+  const auto skin = extract_skin(volume, kQuick, {});
+  ASSERT_TRUE(skin) << skin.error().message;
+  std::vector<double> errors_mm;
+  float ear_reach_mm = 0.0F;
+  for (const auto& vertex : skin->full.vertices) {
+    ear_reach_mm = std::max(ear_reach_mm, -vertex.x());
+    const bool at_ear = vertex.x() < -20.0F && std::abs(vertex.y()) < 12.0F;
+    if (!at_ear) errors_mm.push_back(std::abs(std::hypot(vertex.x(), vertex.y()) - 29.83));
+  }
+  std::sort(errors_mm.begin(), errors_mm.end());
+  // As dense as flesh and lying on half of the front, the blanket lifts the skin a little.
+  EXPECT_LT(errors_mm[errors_mm.size() / 2], 0.1);
+  EXPECT_LT(errors_mm[errors_mm.size() * 9 / 10], 1.4);
+  EXPECT_LT(errors_mm.back(), 2.5);
+  EXPECT_GT(ear_reach_mm, 46.0F);
+  ASSERT_GE(skin->preview.cut.size(), 3U) << "blanket, tube and cover";
+  EXPECT_EQ(skin->preview.cut[0].place, "in front of");
+}
+
+TEST(PreviewBody, ShowsWhatIsCutInRed) {
+  const auto body = preview_body(trunk_on_table(), kQuick, {});
+  ASSERT_TRUE(body) << body.error().message;
+  ASSERT_FALSE(body->cut.empty());
+  EXPECT_EQ(body->cut[0].place, "behind");
+  EXPECT_NEAR(body->cut[0].size_mm.x(), 90.0, 2.0);
+  int num_red = 0;
+  int num_green = 0;
+  for (int y = 0; y < body->picture.height(); ++y) {
+    for (int x = 0; x < body->picture.width(); ++x) {
+      const Rgb8 pixel = body->picture(x, y);
+      if (pixel.r > 2 * pixel.g && pixel.r > 100) ++num_red;
+      if (pixel.g > 2 * pixel.r) ++num_green;
+    }
+  }
+  EXPECT_GT(num_red, 2000);
+  EXPECT_GT(num_green, 500);
+}
+
 TEST(ExtractSkin, PutsVerticesOnTheThreshold) {
   const auto volume = make_volume(80, 1.0, [](const auto& place) { return 25.0 - place.norm(); });
   const auto skin = extract_skin(volume, kQuick, {});

@@ -10,6 +10,7 @@ inline constexpr int kCaseFormat = 1;
 
 inline constexpr const char* kSkinFile = "skin.ply";
 inline constexpr const char* kFieldFile = "skin.field";
+inline constexpr const char* kPreviewFile = "body.png";
 inline constexpr const char* kBoneFile = "bone.ply";
 
 }  // namespace mor::internal

@@ -14,9 +14,11 @@ namespace {
 /// Half the thickness of what is torn off: more than a table's shell, less than a finger.
 constexpr double kOpeningMm = 5.0;
 /// The opening rounds the skin off; what it took within this distance is skin in any case.
-constexpr double kSkinMm = 2.0;
+constexpr double kSkinMm = 1.0;
 /// A part that stands out farther from the body than an ear or a nose does not belong to it.
-constexpr double kFarthestMm = 25.0;
+constexpr double kFarthestMm = 40.0;
+/// ... nor one that is longer than they are: a tube, a cable, the edge of a blanket.
+constexpr double kLongestMm = 80.0;
 /// The body has at least this share of what it is torn from.
 constexpr double kLeastShare = 0.3;
 constexpr double kOneStepMm = 6.25;
@@ -75,8 +77,14 @@ BitMask without_what_leans_on(const BitMask& solid, const Eigen::Vector3d& spaci
   const Components parts(rest);
   const auto touching = parts.overlap(grown_by_a_voxel(body));
   const auto near = parts.overlap(grown_far(core, kFarthestMm, spacing_mm));
-  body |= parts.select(
-      [&](std::size_t i) { return touching[i] > 0 && near[i] == parts.parts()[i].num_voxels; });
+  body |= parts.select([&](std::size_t i) {
+    const auto& part = parts.parts()[i];
+    const Eigen::Vector3d size_mm = Eigen::Vector3d(part.high_x - part.low_x + 1,
+                                                    part.high_y - part.low_y + 1,
+                                                    part.high_z - part.low_z + 1)
+                                        .cwiseProduct(spacing_mm);
+    return touching[i] > 0 && near[i] == part.num_voxels && size_mm.maxCoeff() <= kLongestMm;
+  });
   return body;
 }
 
@@ -101,14 +109,15 @@ Result<void> check_air(const BitMask& body, const Volume& volume, double thresho
 
 }  // namespace
 
-Result<BitMask> body_mask(const Volume& volume,
-                          const BodyMaskOptions& options,
-                          const Progress& progress) {
+Result<BodyMask> body_mask(const Volume& volume,
+                           const BodyMaskOptions& options,
+                           const Progress& progress) {
   const auto report = [&](const char* stage, double fraction) {
     if (progress) progress(stage, fraction);
   };
   report("threshold", 0.0);
-  BitMask mask = threshold(volume, options.threshold_hu, options.upper_hu);
+  const BitMask matter = threshold(volume, options.threshold_hu, options.upper_hu);
+  BitMask mask = matter;
   if (mask.count() == 0) {
     return make_error(ErrorCode::kInvalidArgument,
                       "no voxel lies between " +
@@ -132,7 +141,7 @@ Result<BitMask> body_mask(const Volume& volume,
   mask = filled(largest_part(closed(mask, options.closing_mm, volume.spacing_mm)));
   MOR_CHECK(check_air(mask, volume, options.threshold_hu));
   report("body", 1.0);
-  return mask;
+  return BodyMask{std::move(mask), matter};
 }
 
 }  // namespace mor::internal

@@ -15,6 +15,11 @@ struct BodyMaskOptions {
   double closing_mm = 3.0;
 };
 
+struct BodyMask {
+  BitMask body;
+  BitMask matter;  ///< All that is within the thresholds.
+};
+
 /// The body as one solid part: lungs, bowel and other air inside are filled; what only leans on the
 /// body (table, headrest, blanket) is cut off.
 ///
@@ -23,8 +28,8 @@ struct BodyMaskOptions {
 /// and not where it leads far away from it (the table).
 ///
 /// @errors kInvalidArgument: no voxel within the thresholds; no air beside the body.
-[[nodiscard]] Result<BitMask> body_mask(const Volume& volume,
-                                        const BodyMaskOptions& options,
-                                        const Progress& progress);
+[[nodiscard]] Result<BodyMask> body_mask(const Volume& volume,
+                                         const BodyMaskOptions& options,
+                                         const Progress& progress);
 
 }  // namespace mor::internal

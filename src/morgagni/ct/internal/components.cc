@@ -83,7 +83,7 @@ void Components::number_parts() {
     const std::uint32_t first = root(i);
     if (first == i) {
       runs_[i].part = static_cast<std::uint32_t>(parts_.size());
-      parts_.push_back({.low_z = runs_[i].z});
+      parts_.push_back({.low_x = runs_[i].begin, .low_y = runs_[i].y, .low_z = runs_[i].z});
     }
     runs_[i].part = runs_[first].part;
     measure(runs_[i]);
@@ -95,6 +95,10 @@ void Components::number_parts() {
 void Components::measure(const Run& run) {
   Part& part = parts_[run.part];
   part.num_voxels += static_cast<std::size_t>(run.end - run.begin);
+  part.low_x = std::min(part.low_x, run.begin);
+  part.high_x = std::max(part.high_x, run.end - 1);
+  part.low_y = std::min(part.low_y, run.y);
+  part.high_y = std::max(part.high_y, run.y);
   part.high_z = run.z;
   part.at_side =
       part.at_side || run.begin == 0 || run.end == size_[0] || run.y == 0 || run.y == size_[1] - 1;

@@ -17,6 +17,10 @@ class Components {
   struct Part {
     std::size_t num_voxels = 0;
     bool at_side = false;  ///< Touches a face of the volume across x or y (not z).
+    int low_x = 0;
+    int high_x = 0;
+    int low_y = 0;
+    int high_y = 0;
     int low_z = 0;
     int high_z = 0;
   };
