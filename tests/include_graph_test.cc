@@ -15,6 +15,7 @@ using testing::IsEmpty;
 const Layers& layers() {
   static const Layers kLayers = {{"core", 0},
                                  {"geometry", 1},
+                                 {"compute", 1},
                                  {"ct", 2},
                                  {"camera", 2},
                                  {"depth", 2},
