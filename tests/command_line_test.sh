@@ -32,7 +32,6 @@ for command in prepare serve record evaluate; do
 done
 expect 0 "morgagni evaluate recording" evaluate recording --help
 expect 0 "morgagni evaluate starts" evaluate starts --help
-expect 0 "morgagni evaluate studies" evaluate studies --help
 expect 2 "subcommand is required"
 expect 2 "subcommand is required" evaluate
 expect 2 "--case" prepare ct.nii
@@ -52,8 +51,6 @@ expect 1 "--method must be field, icp, trimmed-icp, anisotropic-icp" serve --cas
 expect 1 "--start-side must be" serve --case "$scratch/missing" --start-side top
 expect 1 "no such case folder" evaluate recording "$scratch" --case "$scratch/missing" --truth t --targets t
 expect 1 "no such case folder" evaluate starts --case "$scratch/missing"
-expect 1 "no such case folder" evaluate studies --case "$scratch/missing" --out "$scratch/s"
-expect 2 "--poses" evaluate studies --case "$scratch/missing" --out "$scratch/s" --poses 0
 expect 1 "no such case folder" record --case "$scratch/missing" --out "$scratch/r"
 [ ! -e "$scratch/case" ] || { echo "FAILED: a refused preparation left its folder"; failures=$((failures + 1)); }
 

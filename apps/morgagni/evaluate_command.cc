@@ -12,7 +12,6 @@ void add_evaluate_command(CLI::App& app) {
   command->require_subcommand(1);
   add_evaluate_recording_command(*command);
   add_evaluate_starts_command(*command);
-  add_evaluate_studies_command(*command);
 }
 
 }  // namespace mor

@@ -63,12 +63,7 @@ Result<std::unique_ptr<FineRegistration>> make_fine_registration(
                       "registration needs a CT skin, but the fixed surface is empty");
   }
   if (options.method != RegistrationMethod::kField) {
-    if (options.device != "cpu" || options.method == RegistrationMethod::kAnisotropicIcp ||
-        options.method == RegistrationMethod::kTrimmedAnisotropicIcp) {
-      return make_error(ErrorCode::kUnsupported,
-                        "OpenCL devices and anisotropic ICP are not in this build yet");
-    }
-    return std::make_unique<internal::IcpRegistration>(std::move(fixed), options);
+    return internal::make_icp_registration(fixed->mesh, options);
   }
   if (options.device != "cpu") {
     return make_error(

@@ -51,8 +51,8 @@ struct RegistrationResult {
   double explained_fraction =
       0.0;  ///< Share of the moving points within 5 mm of the fixed surface, 0..1.
   int num_pairs = 0;
-  int num_iterations = 0;                      ///< Steps done.
-  std::optional<PoseInformation> information;  ///< Of methods that have one: kField.
+  int num_iterations = 0;                           ///< Steps done.
+  std::optional<PoseInformation> information = {};  ///< Of methods that have one: kField.
 };
 
 struct RegistrationOptions {
@@ -84,11 +84,15 @@ class FineRegistration {
       const PointCloud& moving,
       const Eigen::Isometry3d& fixed_from_moving_init,
       StartQuality start) const = 0;
+
+  /// Where it runs at present: "cpu", or an OpenCL device's name.
+  [[nodiscard]] virtual std::string device_name() const { return "cpu"; }
 };
 
 /// @param fixed  Shared, never changed.
+/// Where there is no OpenCL at all, a method that was to run on it runs on the CPU, with a warning.
 /// @errors kInvalidArgument: bad options, an empty surface, no field where the method needs one, a
-/// device that the method does not run on.
+///         device that the method does not run on, a device's name that fits none.
 [[nodiscard]] Result<std::unique_ptr<FineRegistration>> make_fine_registration(
     std::shared_ptr<const FixedSurface> fixed, const RegistrationOptions& options);
 

@@ -160,6 +160,8 @@ INSTANTIATE_TEST_SUITE_P(FineRegistration,
                          EveryMethod,
                          testing::Values(RegistrationMethod::kIcp,
                                          RegistrationMethod::kTrimmedIcp,
+                                         RegistrationMethod::kAnisotropicIcp,
+                                         RegistrationMethod::kTrimmedAnisotropicIcp,
                                          RegistrationMethod::kField),
                          method_name);
 

@@ -4,136 +4,262 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
+#include <limits>
 #include <utility>
 
+#include <Eigen/Cholesky>
+#include <spdlog/fmt/fmt.h>
+
+#include "morgagni/core/log.h"
 #include "morgagni/geometry/rigid.h"
 #include "morgagni/registration/internal/alignment_input.h"
+#include "morgagni/registration/internal/sensor_points.h"
+#include "morgagni/registration/internal/surface_shape.h"
 
 namespace mor::internal {
 namespace {
 
 constexpr std::size_t kMinPairs = 3;
-constexpr float kExplainedMm = 5.0F;
-/// Where no moving point is nearer to the fixed surface than this, the start has nothing to do with
-/// it: ICP would still slide somewhere and call it an end.
-constexpr float kMaxStartDistanceMm = 500.0F;
+/// A moving surface within so many standard deviations of a line, plane or sphere is one.
+constexpr double kShapeNoiseRatio = 1.5;
+/// Pairs that hold their weakest direction by less than this leave it open.
+constexpr double kMinConstraint = 1e-3;
+/// Of the weighted motion: its steps, and the smallest one worth another, mm.
+constexpr int kMaxMotionSteps = 20;
+constexpr double kMotionStopMm = 1e-4;
 
-struct Pair {
-  std::uint32_t moving = 0;
-  std::uint32_t fixed = 0;
-  float distance_sq_mm2 = 0.0F;
+bool is_trimmed(RegistrationMethod method) {
+  return method == RegistrationMethod::kTrimmedIcp ||
+         method == RegistrationMethod::kTrimmedAnisotropicIcp;
+}
+
+Result<void> check_fixed(const TriangleMesh& fixed) {
+  if (fixed.normals.size() != fixed.vertices.size()) {
+    return make_error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("the fixed surface needs a normal for each of its {} vertices, got {}",
+                    fixed.vertices.size(),
+                    fixed.normals.size()));
+  }
+  const auto is_finite = [](const Eigen::Vector3f& v) { return v.allFinite(); };
+  if (!std::all_of(fixed.vertices.begin(), fixed.vertices.end(), is_finite) ||
+      !std::all_of(fixed.normals.begin(), fixed.normals.end(), is_finite)) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      "the fixed surface holds a vertex or normal that is not finite");
+  }
+  return {};
+}
+
+/// One alignment on one device.
+class Alignment {
+ public:
+  Alignment(const IcpSurface& surface,
+            const RegistrationOptions& options,
+            const PointCloud& moving,
+            const Eigen::Isometry3d& fixed_from_moving_init,
+            IcpBackend& backend)
+      : surface_(surface),
+        options_(options),
+        moving_(moving),
+        init_(fixed_from_moving_init),
+        backend_(backend),
+        pose_(centered_from_fixed() * init_) {
+    result_.fixed_from_moving = init_;
+    num_kept_ = moving_.size();
+    if (is_trimmed(options_.method)) {
+      const double share = options_.overlap * static_cast<double>(moving_.size());
+      num_kept_ =
+          std::clamp(static_cast<std::size_t>(std::lround(share)), kMinPairs, moving_.size());
+    }
+  }
+
+  [[nodiscard]] Result<RegistrationResult> run();
+
+ private:
+  [[nodiscard]] Eigen::Translation3d centered_from_fixed() const {
+    return Eigen::Translation3d(-surface_.center);
+  }
+  /// Pairs the points at the pose, and takes note of their distances.
+  [[nodiscard]] Result<void> pair_up();
+  [[nodiscard]] Result<void> iterate();
+  /// The next pose from the pairs: Horn's, or the weighted motion.
+  [[nodiscard]] Result<void> fit_pairs();
+  [[nodiscard]] Result<void> fit_weighted_pairs();
+  [[nodiscard]] bool has_shape() const;
+  [[nodiscard]] Result<bool> is_held_by_pairs();
+  [[nodiscard]] Result<void> return_to_start();
+
+  const IcpSurface& surface_;
+  const RegistrationOptions& options_;
+  const PointCloud& moving_;
+  const Eigen::Isometry3d& init_;
+  IcpBackend& backend_;
+  Eigen::Isometry3d pose_;  ///< Of the surface's centred frame.
+  std::size_t num_kept_ = 0;
+  PairSums sums_;
+  double residual_ = 0.0;  ///< Root mean square by the metric.
+  RegistrationResult result_;
 };
 
-std::vector<Pair> find_pairs(const KdTree& tree,
-                             const PointCloud& moving,
-                             const Eigen::Isometry3d& fixed_from_moving) {
-  const Eigen::Isometry3f pose = fixed_from_moving.cast<float>();
-  std::vector<Pair> pairs;
-  pairs.reserve(moving.size());
-  for (std::uint32_t i = 0; i < moving.size(); ++i) {
-    const auto nearest = tree.nearest(pose * moving.points[i]);
-    pairs.push_back({i, nearest.index, nearest.distance_sq_mm2});
-  }
-  return pairs;
-}
-
-/// Chetverikov 2002, step 2: sort by distance, keep the closest share. Ties go by index, so that
-/// the result does not depend on the sort.
-void trim(std::vector<Pair>& pairs, double overlap) {
-  const auto num_kept =
-      std::max(kMinPairs,
-               static_cast<std::size_t>(std::lround(overlap * static_cast<double>(pairs.size()))));
-  if (num_kept >= pairs.size()) return;
-  std::nth_element(pairs.begin(),
-                   pairs.begin() + static_cast<std::ptrdiff_t>(num_kept),
-                   pairs.end(),
-                   [](const Pair& a, const Pair& b) {
-                     return std::pair(a.distance_sq_mm2, a.moving) <
-                            std::pair(b.distance_sq_mm2, b.moving);
-                   });
-  pairs.resize(num_kept);
-  std::sort(
-      pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.moving < b.moving; });
-}
-
-double rms_mm(std::span<const Pair> pairs) {
-  double sum = 0.0;
-  for (const auto& pair : pairs) sum += static_cast<double>(pair.distance_sq_mm2);
-  return std::sqrt(sum / static_cast<double>(pairs.size()));
-}
-
-double explained_fraction(std::span<const Pair> pairs) {
-  const auto count = std::count_if(pairs.begin(), pairs.end(), [](const Pair& pair) {
-    return pair.distance_sq_mm2 <= kExplainedMm * kExplainedMm;
-  });
-  return static_cast<double>(count) / static_cast<double>(pairs.size());
-}
-
-bool any_near(std::span<const Pair> pairs) {
-  return std::any_of(pairs.begin(), pairs.end(), [](const Pair& pair) {
-    return pair.distance_sq_mm2 < kMaxStartDistanceMm * kMaxStartDistanceMm;
-  });
+Result<void> Alignment::pair_up() {
+  MOR_CHECK(backend_.find_pairs(pose_));
+  if (num_kept_ < moving_.size()) MOR_CHECK(backend_.keep_closest(num_kept_));
+  MOR_TRY(sums_, backend_.sum_pairs());
+  const auto count = static_cast<double>(num_kept_);
+  residual_ = std::sqrt(sums_.sum_weighted_sq / count);
+  result_.rms_distance_mm = std::sqrt(sums_.sum_sq_mm2 / count);
+  result_.explained_fraction = sums_.num_explained / static_cast<double>(moving_.size());
+  result_.num_pairs = static_cast<int>(num_kept_);
+  return {};
 }
 
 /// Besl & McKay 1992, section III.C: the motion from the moving points to their nearest fixed ones.
-Eigen::Isometry3d fit_pairs(std::span<const Pair> pairs,
-                            const PointCloud& moving,
-                            std::span<const Eigen::Vector3f> fixed) {
-  Eigen::Vector3d moving_centroid = Eigen::Vector3d::Zero();
-  Eigen::Vector3d fixed_centroid = Eigen::Vector3d::Zero();
-  for (const auto& pair : pairs) {
-    moving_centroid += moving.points[pair.moving].cast<double>();
-    fixed_centroid += fixed[pair.fixed].cast<double>();
+Result<void> Alignment::fit_pairs() {
+  if (surface_.metric == PairMetric::kWeighted) return fit_weighted_pairs();
+  const auto count = static_cast<double>(num_kept_);
+  const Eigen::Vector3d moving = sums_.moving / count;
+  const Eigen::Vector3d fixed = sums_.fixed / count;
+  pose_ = fit_rigid(fixed + sums_.fixed_pivot.cast<double>(),
+                    moving + sums_.moving_pivot.cast<double>(),
+                    sums_.products - count * moving * fixed.transpose());
+  return {};
+}
+
+/// Balachandran & Fitzpatrick 2009: the rotation linearised, the weighted equations solved, the
+/// weights turned along, until the motion stands.
+Result<void> Alignment::fit_weighted_pairs() {
+  for (int i = 0; i < kMaxMotionSteps; ++i) {
+    const Eigen::Vector3d pivot = pose_ * sums_.moving_pivot.cast<double>();
+    MOR_TRY(const auto equations, backend_.linearize(pose_, pivot));
+    const Vector6d twist = -equations.information.ldlt().solve(equations.gradient);
+    if (!twist.allFinite()) break;
+    const Eigen::Isometry3d turn = se3_exp((Vector6d() << twist.head<3>(), 0, 0, 0).finished());
+    pose_ = orthonormalized(Eigen::Translation3d(pivot + twist.tail<3>()) * turn *
+                            Eigen::Translation3d(-pivot) * pose_);
+    // A lever of 100 mm stands for the extent of what a camera sees.
+    if (twist.tail<3>().norm() + 100.0 * twist.head<3>().norm() < kMotionStopMm) break;
   }
-  moving_centroid /= static_cast<double>(pairs.size());
-  fixed_centroid /= static_cast<double>(pairs.size());
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (const auto& pair : pairs) {
-    covariance += (moving.points[pair.moving].cast<double>() - moving_centroid) *
-                  (fixed[pair.fixed].cast<double>() - fixed_centroid).transpose();
+  return {};
+}
+
+Result<void> Alignment::iterate() {
+  double last_residual = std::numeric_limits<double>::infinity();
+  while (result_.num_iterations < options_.max_iterations) {
+    MOR_CHECK(pair_up());
+    if (result_.num_iterations == 0 && sums_.num_near == 0.0) {
+      // ICP would still slide somewhere and call it an end.
+      result_.status = RegistrationStatus::kTooFewPairs;
+      return {};
+    }
+    if (last_residual - residual_ <= options_.convergence_threshold * residual_) {
+      result_.status = RegistrationStatus::kConverged;
+      return {};
+    }
+    last_residual = residual_;
+    MOR_CHECK(fit_pairs());
+    ++result_.num_iterations;
   }
-  return fit_rigid(fixed_centroid, moving_centroid, covariance);
+  return {};
+}
+
+/// The sensor's noise hides the shape of what is nearly flat or round.
+bool Alignment::has_shape() const {
+  double sum_depth_mm = 0.0;
+  for (const auto& point : moving_.points) sum_depth_mm += static_cast<double>(point.z());
+  const double depth_mm = std::max(0.0, sum_depth_mm / static_cast<double>(moving_.size()));
+  const double noise_mm = static_cast<double>(axial_noise_mm(static_cast<float>(depth_mm)));
+  return !shape_without_pose(moving_.points, kShapeNoiseRatio * noise_mm);
+}
+
+Result<bool> Alignment::is_held_by_pairs() {
+  MOR_TRY(const auto partners, backend_.partners());
+  MOR_TRY(const auto kept, backend_.kept());
+  std::vector<Eigen::Vector3f> points;
+  std::vector<Eigen::Vector3f> normals;
+  for (const auto idx : kept) {
+    points.push_back(surface_.points[partners[idx]]);
+    normals.push_back(surface_.normals[partners[idx]]);
+  }
+  return weakest_constraint(points, normals) >= kMinConstraint;
+}
+
+Result<void> Alignment::return_to_start() {
+  pose_ = centered_from_fixed() * init_;
+  result_.status = RegistrationStatus::kDegenerate;
+  return pair_up();
+}
+
+Result<RegistrationResult> Alignment::run() {
+  MOR_CHECK(backend_.load(moving_.points));
+  if (!has_shape()) {
+    MOR_CHECK(return_to_start());
+    return result_;
+  }
+  MOR_CHECK(iterate());
+  if (result_.status == RegistrationStatus::kTooFewPairs) return result_;
+  MOR_TRY(const bool is_held, is_held_by_pairs());
+  if (is_held) {
+    result_.fixed_from_moving = centered_from_fixed().inverse() * pose_;
+  } else {
+    MOR_CHECK(return_to_start());
+  }
+  return result_;
 }
 
 }  // namespace
 
-IcpRegistration::IcpRegistration(std::shared_ptr<const FixedSurface> fixed,
-                                 const RegistrationOptions& options)
-    : fixed_(std::move(fixed)), options_(options), tree_(fixed_->mesh.vertices) {}
+IcpRegistration::IcpRegistration(std::shared_ptr<const IcpSurface> surface,
+                                 const RegistrationOptions& options,
+                                 std::unique_ptr<IcpBackend> device)
+    : surface_(std::move(surface)), options_(options), device_(std::move(device)) {}
 
 Result<RegistrationResult> IcpRegistration::align(const PointCloud& moving,
                                                   const Eigen::Isometry3d& fixed_from_moving_init,
                                                   StartQuality /*start*/) const {
   MOR_CHECK(check_alignment_input(moving, fixed_from_moving_init, /*needs_normals=*/false));
-  RegistrationResult result;
-  result.fixed_from_moving = fixed_from_moving_init;
   if (moving.size() < kMinPairs) {
-    result.status = RegistrationStatus::kTooFewPairs;
-    result.num_pairs = static_cast<int>(moving.size());
-    return result;
+    return RegistrationResult{.fixed_from_moving = fixed_from_moving_init,
+                              .status = RegistrationStatus::kTooFewPairs,
+                              .num_pairs = static_cast<int>(moving.size())};
   }
-  double last_rms_mm = std::numeric_limits<double>::infinity();
-  while (result.num_iterations < options_.max_iterations) {
-    auto pairs = find_pairs(tree_, moving, result.fixed_from_moving);
-    if (result.num_iterations == 0 && !any_near(pairs)) {
-      result.status = RegistrationStatus::kTooFewPairs;
-      break;
+  const auto run_on = [&](IcpBackend& backend) {
+    return Alignment(*surface_, options_, moving, fixed_from_moving_init, backend).run();
+  };
+  {
+    const std::lock_guard lock(device_mutex_);
+    if (device_) {
+      auto result = run_on(*device_);
+      if (result || result.error().code != ErrorCode::kDevice) return result;
+      log::warn("{}; registration goes on on the CPU, without \"{}\"",
+                result.error().message,
+                device_->name());
+      device_.reset();
     }
-    result.explained_fraction = explained_fraction(pairs);
-    if (options_.method == RegistrationMethod::kTrimmedIcp) trim(pairs, options_.overlap);
-    result.rms_distance_mm = rms_mm(pairs);
-    result.num_pairs = static_cast<int>(pairs.size());
-    if (last_rms_mm - result.rms_distance_mm <=
-        options_.convergence_threshold * result.rms_distance_mm) {
-      result.status = RegistrationStatus::kConverged;
-      break;
-    }
-    last_rms_mm = result.rms_distance_mm;
-    result.fixed_from_moving = fit_pairs(pairs, moving, fixed_->mesh.vertices);
-    ++result.num_iterations;
   }
-  return result;
+  return run_on(*make_icp_backend_cpu(surface_));
+}
+
+std::string IcpRegistration::device_name() const {
+  const std::lock_guard lock(device_mutex_);
+  return device_ ? device_->name() : "cpu";
+}
+
+Result<std::unique_ptr<FineRegistration>> make_icp_registration(
+    const TriangleMesh& fixed, const RegistrationOptions& options) {
+  MOR_CHECK(check_fixed(fixed));
+  auto surface = std::make_shared<const IcpSurface>(fixed, metric_of(options.method));
+  std::unique_ptr<IcpBackend> device;
+  if (options.device != "cpu") {
+    auto made = make_icp_backend_opencl(surface, options.device);
+    if (made) {
+      device = *std::move(made);
+    } else if (made.error().code == ErrorCode::kInvalidArgument) {
+      return tl::unexpected<Error>(made.error());
+    } else {
+      log::warn("{}; registration runs on the CPU", made.error().message);
+    }
+  }
+  return std::make_unique<IcpRegistration>(std::move(surface), options, std::move(device));
 }
 
 }  // namespace mor::internal
