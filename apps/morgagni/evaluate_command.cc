@@ -10,6 +10,7 @@ namespace mor {
 void add_evaluate_command(CLI::App& app) {
   auto* command = app.add_subcommand("evaluate", "Measure accuracy and time against known truth");
   command->require_subcommand(1);
+  add_evaluate_bound_command(*command);
   add_evaluate_recording_command(*command);
   add_evaluate_starts_command(*command);
 }
