@@ -31,6 +31,7 @@ for command in prepare serve record evaluate; do
   expect 0 "morgagni $command" "$command" --help
 done
 expect 0 "morgagni evaluate recording" evaluate recording --help
+expect 0 "morgagni evaluate bound" evaluate bound --help
 expect 0 "morgagni evaluate starts" evaluate starts --help
 expect 2 "subcommand is required"
 expect 2 "subcommand is required" evaluate
@@ -51,6 +52,9 @@ expect 1 "--method must be field, icp, trimmed-icp, anisotropic-icp" serve --cas
 expect 1 "--start-side must be" serve --case "$scratch/missing" --start-side top
 expect 1 "no such case folder" evaluate recording "$scratch" --case "$scratch/missing" --truth t --targets t
 expect 1 "no such case folder" evaluate starts --case "$scratch/missing"
+expect 2 "--gate" serve --case "$scratch/missing" --gate guess
+expect 2 "--start" serve --case "$scratch/missing" --start magic
+expect 1 "no such case folder" evaluate bound --case "$scratch/missing"
 expect 1 "no such case folder" record --case "$scratch/missing" --out "$scratch/r"
 [ ! -e "$scratch/case" ] || { echo "FAILED: a refused preparation left its folder"; failures=$((failures + 1)); }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <csignal>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -24,9 +25,14 @@ struct Arguments {
   std::filesystem::path folder;
   std::string camera = "simulated:";
   std::string side = "anterior";
-  int lost_after_ms = 2000;
+  int lost_after_ms = 500;
   LiveSessionOptions options;
 };
+
+const std::map<std::string, TrackingGate> kGates = {{"evidence", TrackingGate::kEvidence},
+                                                    {"residual", TrackingGate::kResidual}};
+const std::map<std::string, StartMethod> kStarts = {{"automatic", StartMethod::kAutomatic},
+                                                    {"placement", StartMethod::kPlacement}};
 
 /// The page as built: beside the program in the build tree.
 std::filesystem::path default_web_root() {
@@ -57,6 +63,8 @@ void serve(Arguments& arguments) {
   auto& options = arguments.options;
   options.camera_name = arguments.camera;
   options.loop.placement.side = value_or_exit(side_option(arguments.side));
+  // A camera that does not keep to the clock waits for the tracking.
+  options.loop.in_step = arguments.camera.find("speed=full") != std::string::npos;
   options.loop.tracking.lost_after = std::chrono::milliseconds(arguments.lost_after_ms);
   if (options.server.web_root.empty()) options.server.web_root = default_web_root();
   block_signals();
@@ -83,9 +91,11 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--case", arguments->folder, "Folder that `morgagni prepare` made")
       ->required();
   command
-      ->add_option("--camera",
-                   arguments->camera,
-                   "simulated:[key=value,...] or tum:DIR[,loop=1][,speed=full]")
+      ->add_option(
+          "--camera",
+          arguments->camera,
+          "simulated:[key=value,...] or tum:DIR[,loop=1][,speed=full]; at full speed every "
+          "frame is tracked, with the same poses each time")
       ->capture_default_str();
   command->add_option("--port", server.port, "On 127.0.0.1; 0 takes a free one")
       ->capture_default_str();
@@ -95,23 +105,37 @@ void add_serve_command(CLI::App& app) {
   add_registration_options(*command, loop.registration);
   add_depth_options(*command, loop.depth);
   command
+      ->add_option("--gate",
+                   loop.tracking.gate,
+                   "How a frame is judged: by all evidence, or by the residual alone (the paper's)")
+      ->transform(CLI::CheckedTransformer(kGates))
+      ->default_str("evidence");
+  command
       ->add_option("--alpha",
                    loop.tracking.residual_ratio,
-                   "Frames with a residual above alpha times that of the start are skipped")
+                   "--gate residual: frames with a residual above alpha times that of the start "
+                   "hold the pose")
       ->capture_default_str();
   command
-      ->add_option(
-          "--lost-after-ms", arguments->lost_after_ms, "Without a valid frame the tracking is lost")
+      ->add_option("--lost-after-ms",
+                   arguments->lost_after_ms,
+                   "Without a usable frame the tracking is lost")
       ->capture_default_str();
   command
-      ->add_option(
-          "--start-distance-mm", loop.placement.distance_mm, "Start: distance of the placed body")
+      ->add_option("--start", loop.start, "The body is searched for, or placed before the camera")
+      ->transform(CLI::CheckedTransformer(kStarts))
+      ->default_str("automatic");
+  command
+      ->add_option("--start-distance-mm",
+                   loop.placement.distance_mm,
+                   "--start placement: distance of the placed body")
       ->capture_default_str();
   command
       ->add_option(
           "--start-side",
           arguments->side,
-          "Start: side of the body that faces the camera: anterior, posterior, left, right")
+          "--start placement: side of the body that faces the camera: anterior, posterior, left, "
+          "right")
       ->capture_default_str();
   command->footer(
       "Examples:\n"

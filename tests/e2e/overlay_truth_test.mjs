@@ -47,7 +47,7 @@ const camera = JSON.parse(readFileSync(join(recording, 'intrinsics.json'), 'utf8
 
 const server = await startServer([
   program, 'serve', '--case', folder, '--camera', `tum:${recording},loop=1`, '--port', '0',
-  '--web', webRoot, '--start-distance-mm', '450', '--bitrate-kbps', '20000']);
+  '--web', webRoot, '--bitrate-kbps', '20000']);
 const live = await LivePage.open(server.url);
 
 async function grab(opacity) {

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 import { sentenceOf } from './server_error';
 
-export type TrackingState = 'waiting' | 'tracking' | 'skipped' | 'lost';
+export type TrackingState = 'waiting' | 'tracking' | 'uncertain' | 'lost';
+export type Doubt =
+  | 'no-body' | 'residual' | 'little-seen' | 'unexplained' | 'floating' | 'open-direction' | 'jump';
 export type BodySide = 'anterior' | 'posterior' | 'left' | 'right';
 export type Point3 = [number, number, number];
 
@@ -14,9 +16,24 @@ export interface View {
   structures: Record<string, boolean>;
 }
 
+/** The search for a start. */
+export interface Search {
+  searching: boolean;
+  last: 'found' | 'ambiguous' | 'not found' | null;
+  /** Why the last one found none, in the server's words. */
+  reason: string;
+}
+
 export interface Status {
   state: TrackingState;
-  starting: 'placement' | 'landmarks' | null;
+  /** The pose is an earlier picture's: the newest gave none. */
+  held: boolean;
+  /** Why the pose is uncertain. */
+  doubts: Doubt[];
+  /** 95 % of the errors on the skin in the hole are smaller. */
+  bound_mm: number | null;
+  starting: 'automatic' | 'placement' | 'landmarks' | null;
+  search: Search | null;
   frozen: boolean;
   rms_distance_mm: number | null;
   e_valid_mm: number | null;
@@ -24,7 +41,7 @@ export interface Status {
   frame_rate: number;
   latency_ms: { median: number; p95: number };
   stage_ms: Record<string, number>;
-  frames: { tracked: number; skipped: number; lost: number; dropped: number };
+  frames: { tracked: number; uncertain: number; lost: number; resumed: number; dropped: number };
   method: string;
   camera: string;
   camera_error: string | null;
@@ -57,6 +74,12 @@ export interface LandmarkSolution {
   residuals_mm: number[];
 }
 
+export interface Touched {
+  ct_mm: Point3;
+  bound_mm: number | null;
+  state: TrackingState;
+}
+
 /** Says what to do next, in the server's words. */
 export class ApiError extends Error {}
 
@@ -81,6 +104,9 @@ export const api = {
   getCase: () => call<CaseInfo>('/api/case'),
   setView: (change: Partial<View>) => call<View>('/api/view', change),
   freeze: (frozen: boolean) => call<object>('/api/freeze', { frozen }),
+  startAutomatically: () => call<object>('/api/start/automatic', {}),
+  /** The CT point under a pixel of the picture shown. */
+  touch: (x: number, y: number) => call<Touched>('/api/touch', { x, y }),
   startByPlacement: (placement: { distance_mm: number; side: BodySide; roll_rad: number }) =>
     call<object>('/api/start/placement', placement),
   beginLandmarks: () => call<object>('/api/landmarks/begin', {}),

@@ -4,12 +4,13 @@ import { api, listenToStatus, type CaseInfo, type Status, type View } from './ap
 import { Controls } from './controls';
 import { h, setText } from './dom';
 import { grabFrame, type GrabbedFrame } from './frame_grabber';
+import type { Point } from './geometry';
 import { LandmarkPanel } from './landmark_panel';
 import { LiveVideo } from './live_video';
 import { PlacementPanel } from './placement_panel';
 import { Stage } from './stage';
 import { StatusPanel } from './status_panel';
-import { bannerOf, snapshotName } from './status_text';
+import { adviceOf, bannerOf, snapshotName, touchLines } from './status_text';
 import { ViewSender } from './view_sender';
 import { Toast } from './widgets';
 
@@ -32,14 +33,16 @@ export class App {
   private info: CaseInfo | undefined;
   private readonly toast = new Toast();
   private readonly stage = new Stage(() => this.view,
-    (hole_x, hole_y) => this.changeView({ hole_x, hole_y }));
+    (hole_x, hole_y) => this.changeView({ hole_x, hole_y }),
+    (point) => void this.touch(point));
   private readonly live = new LiveVideo(this.stage.video);
   private readonly figures = new StatusPanel();
   private readonly caseName = h('span', { class: 'case-name' });
   private readonly sender = new ViewSender((change) => api.setView(change), this.toast.sayError);
-  private readonly placement = new PlacementPanel(() => this.setMode('live'), this.toast);
+  private readonly placement = new PlacementPanel(() => this.closePlacement(), this.toast);
   private readonly landmarks = new LandmarkPanel(this.stage, this.toast, () => this.setMode('live'));
   private readonly controls = new Controls({
+    startAutomatically: () => void api.startAutomatically().catch(this.toast.sayError),
     startByPlacement: () => {
       this.setMode('placement');
       this.placement.begin();
@@ -124,6 +127,12 @@ export class App {
   private refresh(): void {
     if (performance.now() - this.heard_ms > SILENCE_MS) this.status = undefined;
     this.figures.show(this.status, this.live);
+    if (this.status?.state === 'lost' || this.status?.state === 'waiting') this.stage.hideReadout();
+    this.stage.showUncertain(this.mode === 'live' && this.status?.state === 'uncertain');
+    if (this.mode !== 'landmarks') {
+      this.stage.showHint(this.mode === 'placement'
+        ? 'Move the camera until the body and the outline match' : adviceOf(this.status));
+    }
     this.stage.showBanner(
       bannerOf(this.live.state(), this.live.ageMs(), this.live.problem, this.status,
         this.mode === 'landmarks'));
@@ -152,8 +161,26 @@ export class App {
     this.mode = mode;
     this.landmarksSeen = false;
     this.element.className = `app ${mode}`;
-    this.stage.showHint(
-      mode === 'placement' ? 'Move the camera until the body and the outline match' : '');
+    this.stage.hideReadout();
+    this.stage.showHint('');
+    this.refresh();
+  }
+
+  /** Takes the outline away again: the body is searched for as before. */
+  private closePlacement(): void {
+    if (this.status?.state === 'waiting') {
+      void api.startAutomatically().catch(this.toast.sayError);
+    }
+    this.setMode('live');
+  }
+
+  private async touch(point: Point): Promise<void> {
+    try {
+      this.stage.showReadout(point, touchLines(await api.touch(point.x, point.y)));
+    } catch (error) {
+      this.stage.hideReadout();
+      this.toast.sayError(error);
+    }
   }
 
   private async takeSnapshot(): Promise<void> {

@@ -6,6 +6,7 @@ import { icon } from './icons';
 import { button, slider } from './widgets';
 
 export interface ControlActions {
+  startAutomatically(): void;
   startByPlacement(): void;
   startByLandmarks(): void;
   changeView(change: Partial<View>): void;
@@ -49,14 +50,15 @@ export class Controls {
     this.hole = slider('Hole', { min: 0, max: 1, step: 0.01 }, holeText,
       (value) => actions.changeView({ hole_radius: holeOfSlider(value) }));
     this.startKeys = [
-      button('Placement', 'placement', () => actions.startByPlacement(), 'primary'),
+      button('Automatic', 'automatic', () => actions.startAutomatically(), 'primary'),
+      button('Placement', 'placement', () => actions.startByPlacement()),
       button('Landmarks', 'landmarks', () => actions.startByLandmarks()),
     ];
     this.freezeKey = button('Freeze', 'freeze', () => actions.freeze(!this.frozen));
     this.element = h('div', { class: 'controls' },
-      section('Start', h('div', { class: 'pair' }, ...this.startKeys)),
+      section('Start', h('div', { class: 'pair starts' }, ...this.startKeys)),
       section('Inside view', this.opacity.element, this.hole.element, this.structures,
-        h('p', { class: 'tip' }, 'Drag on the picture to move the hole. Double tap: centre.')),
+        h('p', { class: 'tip' }, 'Drag on the picture: moves the hole. Tap: error there. Double tap: hole to the centre.')),
       section('Picture', h('div', { class: 'pair' }, this.freezeKey,
         button('Snapshot', 'snapshot', () => actions.snapshot()))));
   }

@@ -1,6 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-import './style.css';
+import './style/base.css';
+import './style/picture.css';
+import './style/figures.css';
+import './style/controls.css';
+import './style/landmarks.css';
+import './style/screens.css';
 import { App } from './app';
 
 const app = new App();

@@ -25,12 +25,12 @@ export class PlacementPanel {
   private sending = false;
   private changed = false;
 
-  constructor(onDone: () => void, private readonly toast: Toast) {
+  constructor(onClose: () => void, private readonly toast: Toast) {
     this.element = h('div', { class: 'controls placement' },
       section('Start by placement', this.settings),
       h('p', { class: 'tip' },
         'The outline shows where the body must be seen. Tracking begins by itself when it fits.'),
-      button('Close', 'cancel', onDone));
+      button('Close', 'cancel', onClose));
   }
 
   showCase(info: CaseInfo): void {

@@ -7,6 +7,8 @@ import type { Banner } from './status_text';
 
 const DRAG_FROM_PX = 8;
 const DOUBLE_TAP_MS = 350;
+// The live picture moves on below it.
+const READOUT_MS = 4000;
 
 /** The live picture and what lies over it. A finger on it moves the hole, or taps a point. */
 export class Stage {
@@ -15,20 +17,23 @@ export class Stage {
   /** While set, a tap is a point (in the picture's pixels) and does not move the hole. */
   onTap: ((point: Point) => void) | undefined;
 
+  private readonly readout = h('div', { class: 'readout', role: 'status', hidden: true });
   private readonly banner = h('div', { class: 'banner', role: 'alert', hidden: true });
   private readonly hint = h('div', { class: 'hint', hidden: true });
   private readonly ring = h('div', { class: 'ring', hidden: true });
   private readonly marks = h('div', { class: 'marks' });
   private down: { at: Point; moved: boolean } | undefined;
   private lastTap_ms = 0;
+  private readoutTimer: number | undefined;
 
   constructor(
     private readonly view: () => View | undefined,
     private readonly onHole: (x: number, y: number) => void,
+    private readonly onTouch: (point: Point) => void,
   ) {
     this.video.muted = true;
     this.element = h('div', { class: 'stage' },
-      this.video, this.ring, this.marks, this.banner, this.hint);
+      this.video, this.ring, this.marks, this.readout, this.banner, this.hint);
     this.element.addEventListener('pointerdown', (event) => this.press(event));
     this.element.addEventListener('pointermove', (event) => this.move(event));
     this.element.addEventListener('pointerup', (event) => this.release(event));
@@ -52,6 +57,31 @@ export class Stage {
   showHint(text: string): void {
     this.hint.hidden = text === '';
     setText(this.hint, text);
+  }
+
+  /** The picture's rim says that what lies on it is not certain. */
+  showUncertain(is: boolean): void {
+    this.element.classList.toggle('uncertain', is);
+  }
+
+  /** Words at a point of the picture, for a while. */
+  showReadout(pixel: Point, [words, more]: [string, string]): void {
+    const picture = this.pictureSize();
+    if (!picture) return;
+    const at = fromPicture(pixel, this.box(), picture);
+    const cross = h('span', { class: 'cross' });
+    this.readout.replaceChildren(cross,
+      h('span', { class: 'words' }, words, h('span', { class: 'more' }, more)));
+    this.readout.classList.toggle('left', at.x > this.box().width / 2);
+    this.readout.style.left = `${at.x}px`;
+    this.readout.style.top = `${at.y}px`;
+    this.readout.hidden = false;
+    clearTimeout(this.readoutTimer);
+    this.readoutTimer = window.setTimeout(() => this.hideReadout(), READOUT_MS);
+  }
+
+  hideReadout(): void {
+    this.readout.hidden = true;
   }
 
   /** Draws numbered points, given in the picture's pixels. */
@@ -90,6 +120,7 @@ export class Stage {
     const shown = containedBox(this.box(), picture);
     const x = clamp((event.clientX - this.box().left - shown.x) / shown.width, 0, 1);
     const y = clamp((event.clientY - this.box().top - shown.y) / shown.height, 0, 1);
+    this.hideReadout();
     this.onHole(x, y);
     this.showRing(x, y);
   }
@@ -105,8 +136,12 @@ export class Stage {
     }
     const isDouble = event.timeStamp - this.lastTap_ms < DOUBLE_TAP_MS;
     this.lastTap_ms = isDouble ? 0 : event.timeStamp;
-    if (!isDouble) return;
-    this.onHole(0.5, 0.5);
+    if (isDouble) {
+      this.hideReadout();
+      this.onHole(0.5, 0.5);
+    } else {
+      this.onTouch(point);
+    }
   }
 
   private end(): void {

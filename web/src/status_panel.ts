@@ -4,7 +4,7 @@ import type { Status } from './api';
 import { h, setClass, setText } from './dom';
 import { icon } from './icons';
 import type { LiveVideo } from './live_video';
-import { milliseconds, millimetres, STATE_WORDS, type ShownState } from './status_text';
+import { milliseconds, millimetres, stateWords, type ShownState } from './status_text';
 
 /** One figure with its unit and what it means. */
 class Tile {
@@ -28,50 +28,54 @@ export class StatusPanel {
   readonly element: HTMLElement;
 
   private shownState: ShownState | undefined;
+  private readonly words = h('span');
+  private readonly bound = new Tile('Error, 95 % below', 'mm');
   private readonly residual = new Tile('Residual', 'mm');
   private readonly explained = new Tile('Body in place', '%');
   private readonly rate = new Tile('Frame rate', '/s');
   private readonly latency = new Tile('Latency', 'ms');
-  private readonly dropped = new Tile('Dropped');
   private readonly counts = h('span');
   private readonly stages = h('span');
 
   constructor() {
     this.element = h('section', { class: 'figures', 'aria-label': 'Figures' },
       h('div', { class: 'tiles' },
-        ...[this.residual, this.explained, this.rate, this.latency, this.dropped].map(
+        ...[this.bound, this.residual, this.explained, this.rate, this.latency].map(
           (tile) => tile.element)),
       h('div', { class: 'counts' }, this.counts, this.stages));
-    this.showState('unknown');
+    this.showState('unknown', undefined);
   }
 
   show(status: Status | undefined, live: LiveVideo): void {
     this.rate.show(live.frameRate().toFixed(0));
     this.latency.show(milliseconds(live.latencyMs()));
-    this.showState(status?.state ?? 'unknown');
+    this.showState(status?.state ?? 'unknown', status);
     if (!status) {
       // What was true a while ago is no longer known.
-      for (const tile of [this.residual, this.explained, this.dropped]) tile.show('–');
+      for (const tile of [this.bound, this.residual, this.explained]) tile.show('–');
       setText(this.counts, '');
       setText(this.stages, '');
       return;
     }
+    this.bound.show(millimetres(status.bound_mm));
     this.residual.show(millimetres(status.rms_distance_mm));
     const share = status.explained_fraction;
     this.explained.show(share === null ? '–' : (share * 100).toFixed(0));
-    this.dropped.show(String(status.frames.dropped));
-    const { tracked, skipped, lost } = status.frames;
+    const { tracked, uncertain, lost, dropped } = status.frames;
     const stages = Object.entries(status.stage_ms)
       .map(([name, ms]) => `${name} ${ms.toFixed(0)}`)
       .join(' · ');
-    setText(this.counts, `Frames: ${tracked} tracked · ${skipped} skipped · ${lost} lost`);
+    setText(this.counts, `Frames: ${tracked} tracked · ${uncertain} uncertain · ${dropped} dropped · lost ${lost} times`);
     setText(this.stages, `ms: ${stages}`);
+    // For those who want to know more than the picture's words say.
+    this.element.title = status.search?.reason ?? '';
   }
 
-  private showState(state: ShownState): void {
+  private showState(state: ShownState, status: Status | undefined): void {
+    setText(this.words, stateWords(state, status));
     if (state === this.shownState) return;
     this.shownState = state;
     setClass(this.state, `state ${state}`);
-    this.state.replaceChildren(icon(state), h('span', {}, STATE_WORDS[state]));
+    this.state.replaceChildren(icon(state), this.words);
   }
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-import type { Status, TrackingState } from './api';
+import type { Doubt, Search, Status, Touched, TrackingState } from './api';
 import type { Connection } from './live_video';
 
 /** `unknown`: the server says nothing. */
@@ -10,9 +10,61 @@ export const STATE_WORDS: Record<ShownState, string> = {
   unknown: 'No server',
   waiting: 'Waiting for start',
   tracking: 'Tracking',
-  skipped: 'Skipped, pose held',
+  uncertain: 'Uncertain',
   lost: 'Lost',
 };
+
+const DOUBT_WORDS: Record<Doubt, string> = {
+  'no-body': 'no body in view',
+  residual: 'the surface does not fit the CT well',
+  'little-seen': 'little of the body is seen',
+  unexplained: 'most of the picture is not the body',
+  floating: 'the CT would float before what is seen',
+  'open-direction': 'too flat here: the CT could slide',
+  jump: 'moved fast',
+};
+
+/** The state in words, with the error bound where there is one. */
+export function stateWords(state: ShownState, status: Status | undefined): string {
+  const bound = boundText(status?.bound_mm);
+  if (state === 'waiting' && status?.starting === 'automatic') return 'Searching';
+  if (state === 'uncertain' && status?.held) return 'Uncertain, pose held';
+  return bound && (state === 'tracking' || state === 'uncertain')
+    ? `${STATE_WORDS[state]} ${bound}` : STATE_WORDS[state];
+}
+
+/** An error bound as it is read: at most so much. */
+export function boundText(bound_mm: number | null | undefined): string {
+  return bound_mm === null || bound_mm === undefined ? '' : `≤ ${bound_mm.toFixed(1)} mm`;
+}
+
+/** What the user may do, or should know, while the tracking is not well. */
+export function adviceOf(status: Status | undefined): string {
+  if (!status || status.frozen) return '';
+  if (status.state === 'uncertain') {
+    const why = status.doubts.map((doubt) => DOUBT_WORDS[doubt]).join(', ');
+    return status.held ? `Old position held: ${why}` : `Uncertain: ${why}`;
+  }
+  if (status.state === 'lost') return `Lost. ${searchWords(status.search)}`;
+  if (status.state === 'waiting' && status.starting === 'automatic') return searchWords(status.search);
+  return '';
+}
+
+function searchWords(search: Search | null): string {
+  if (search?.last === 'ambiguous') {
+    return 'Ambiguous: move the camera so that more of the body is seen.';
+  }
+  if (search?.last === 'not found') {
+    return 'Not found yet: show as much of the body as you can, from 50 to 100 cm.';
+  }
+  return 'Searching: point the camera at the body.';
+}
+
+/** The readout of a touched point: how sure it is, and which point of the CT. */
+export function touchLines({ ct_mm, bound_mm }: Touched): [string, string] {
+  const point = ct_mm.map((value) => value.toFixed(0)).join(', ');
+  return [`error ${boundText(bound_mm) || 'not known'}`, `CT ${point} mm`];
+}
 
 export function millimetres(value: number | null | undefined): string {
   return value === null || value === undefined ? '–' : value.toFixed(1);

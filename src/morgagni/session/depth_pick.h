@@ -16,7 +16,7 @@ namespace mor {
 /// the surface in front: single readings are noisy and hands-on-glass is not exact.
 /// @param color_pixel  In px of the colour picture.
 /// @return mm, frame depth. None where the camera has no reading nearby.
-/// @cost About 5 ms at 640x480.
+/// @cost Microseconds: looks only where the pixel's ray passes.
 [[nodiscard]] std::optional<Eigen::Vector3d> depth_point_at(const RgbdFrame& frame,
                                                             const Eigen::Vector2d& color_pixel);
 

@@ -74,6 +74,10 @@ Json to_json(const Eigen::Vector3d& v) {
   return {v.x(), v.y(), v.z()};
 }
 
+Json or_null(const std::optional<double>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
 Result<PlacementOptions> parse_placement(const std::string& body, PlacementOptions placement) {
   MOR_TRY(const Json json, parse_object(body));
   MOR_TRY(placement.distance_mm, number(json, "distance_mm", placement.distance_mm));
@@ -200,6 +204,16 @@ Result<Json> start_placement(LiveLoop& loop,
   return done(loop.start_by_placement(placement));
 }
 
+Result<Json> touch(LiveLoop& loop, const std::string& text) {
+  MOR_TRY(const Json json, parse_object(text));
+  MOR_TRY(const double x, number(json, "x"));
+  MOR_TRY(const double y, number(json, "y"));
+  MOR_TRY(const auto touched, loop.touch({x, y}));
+  return Json{{"ct_mm", to_json(touched.ct_mm)},
+              {"bound_mm", or_null(touched.bound_mm)},
+              {"state", to_string(touched.state)}};
+}
+
 Result<Json> change_view(LiveLoop& loop, const std::string& text) {
   MOR_TRY(const auto view, changed(loop.view(), text));
   loop.set_view(view);
@@ -244,6 +258,12 @@ std::vector<HttpRoute> make_live_routes(std::shared_ptr<const Case> body,
       {"GET", "/api/snapshot.png", [=](const HttpRequest&) { return snapshot(*loop); }},
       post("/api/view", [=](const auto& text) { return change_view(*loop, text); }),
       post("/api/freeze", [=](const auto& text) { return freeze(*loop, text); }),
+      post("/api/touch", [=](const auto& text) { return touch(*loop, text); }),
+      post("/api/start/automatic",
+           [=](const auto&) -> Result<Json> {
+             loop->start_automatically();
+             return Json::object();
+           }),
       post("/api/start/placement",
            [=](const auto& text) { return start_placement(*loop, placement, text); }),
       post("/api/landmarks/begin", [=](const auto&) { return done(loop->begin_landmarks()); }),
@@ -257,6 +277,23 @@ std::vector<HttpRoute> make_live_routes(std::shared_ptr<const Case> body,
       })};
 }
 
+namespace {
+
+/// What the page says while it waits for a start.
+Json search_json(const SearchStatus& search) {
+  if (!search.is_searching && !search.last) return nullptr;
+  Json json = {{"searching", search.is_searching}, {"last", nullptr}, {"reason", search.reason}};
+  if (search.last) json["last"] = to_string(*search.last);
+  return json;
+}
+
+std::string_view starting(const LiveStatus& status) {
+  if (status.picking_landmarks) return "landmarks";
+  return status.last.ct_from_ghost ? "placement" : "automatic";
+}
+
+}  // namespace
+
 std::string status_json(const LiveStatus& status,
                         const ViewSettings& view,
                         const LiveServerStats& stream,
@@ -266,7 +303,11 @@ std::string status_json(const LiveStatus& status,
   const auto& registration = last.registration;
   Json json = {
       {"state", to_string(last.state)},
+      {"held", last.is_held},
+      {"doubts", Json::array()},
+      {"bound_mm", or_null(status.bound_mm)},
       {"starting", nullptr},
+      {"search", search_json(status.search)},
       {"frozen", status.frozen},
       {"rms_distance_mm", nullptr},
       {"e_valid_mm", nullptr},
@@ -278,23 +319,23 @@ std::string status_json(const LiveStatus& status,
        {{"camera", status.wait_ms},
         {"depth", status.depth_ms},
         {"registration", status.registration_ms},
+        {"judgement", status.judgement_ms},
         {"render", status.render_ms},
         {"encode", stream.encode_ms}}},
       {"frames",
        {{"tracked", last.counts.tracked},
-        {"skipped", last.counts.skipped},
+        {"uncertain", last.counts.uncertain},
         {"lost", last.counts.lost},
+        {"resumed", last.counts.resumed},
         {"dropped", status.num_dropped + stream.num_dropped}}},
       {"method", method},
       {"camera", camera},
       {"camera_error", nullptr},
       {"viewers", stream.num_viewers},
       {"view", Json::parse(to_json(view))}};
-  if (status.picking_landmarks) {
-    json["starting"] = "landmarks";
-  } else if (last.ct_from_ghost) {
-    json["starting"] = "placement";
-  }
+  const bool has_start = last.state != TrackingState::kWaiting;
+  if (status.picking_landmarks || !has_start) json["starting"] = starting(status);
+  for (const auto doubt : last.doubts) json["doubts"].push_back(to_string(doubt));
   if (registration && registration->num_pairs > 0) {
     json["rms_distance_mm"] = registration->rms_distance_mm;
     json["explained_fraction"] = registration->explained_fraction;

@@ -16,6 +16,7 @@
 #include "morgagni/core/statistics.h"
 #include "morgagni/session/depth_pick.h"
 #include "morgagni/session/frame_rate.h"
+#include "morgagni/session/start_search.h"
 
 namespace mor {
 namespace {
@@ -28,6 +29,8 @@ constexpr std::size_t kTimedFrames = 60;
 /// view show and viewers who join see something.
 constexpr std::chrono::milliseconds kStillPeriod{100};
 constexpr std::chrono::milliseconds kCameraRetry{500};
+/// From one search's frame to the next one's at least: the camera has moved on by then.
+constexpr std::chrono::milliseconds kSearchPause{200};
 
 double ms_between(Clock::time_point start, Clock::time_point end) {
   return std::chrono::duration<double, std::milli>(end - start).count();
@@ -41,8 +44,18 @@ std::vector<RenderedStructure> rendered(const Case& body) {
 
 class Loop final : public LiveLoop {
  public:
-  Loop(std::shared_ptr<const Case> body, std::unique_ptr<RangeCamera> camera, Tracker tracker)
-      : body_(std::move(body)), camera_(std::move(camera)), tracker_(std::move(tracker)) {
+  Loop(std::shared_ptr<const Case> body,
+       std::unique_ptr<RangeCamera> camera,
+       Tracker tracker,
+       std::shared_ptr<const AutomaticStart> automatic,
+       bool in_step)
+      : body_(std::move(body)),
+        camera_(std::move(camera)),
+        in_step_(in_step),
+        tracker_(std::move(tracker)),
+        search_([automatic = std::move(automatic)](const RgbdFrame& frame, std::stop_token stop) {
+          return automatic->find(frame.depth_mm.view(), stop);
+        }) {
     for (const auto& structure : body_->structures) view_.structures[structure.name] = true;
   }
 
@@ -55,7 +68,7 @@ class Loop final : public LiveLoop {
         });
     MOR_CHECK(ready.get());
     tracking_thread_ = std::jthread([this](std::stop_token stop) { track(stop); });
-    capture_thread_ = std::jthread([this](std::stop_token stop) { capture(stop); });
+    if (!in_step_) capture_thread_ = std::jthread([this](std::stop_token stop) { capture(stop); });
     return {};
   }
 
@@ -63,6 +76,18 @@ class Loop final : public LiveLoop {
     capture_thread_ = {};
     tracking_thread_ = {};
     render_thread_ = {};
+    search_.cancel();
+  }
+
+  void start_automatically() override {
+    {
+      const std::lock_guard lock(tracker_mutex_);
+      search_.cancel();
+      tracker_.wait_for_start();
+      last_searched_at_.reset();
+    }
+    forget_search();
+    cancel_landmarks();
   }
 
   Result<void> start_by_placement(const PlacementOptions& options) override {
@@ -70,8 +95,10 @@ class Loop final : public LiveLoop {
             place_in_front_of_camera(body_->skin->mesh.bounds(), options));
     {
       const std::lock_guard lock(tracker_mutex_);
+      search_.cancel();
       tracker_.start_by_placement(ct_from_depth);
     }
+    forget_search();
     cancel_landmarks();
     return {};
   }
@@ -105,7 +132,9 @@ class Loop final : public LiveLoop {
     {
       const std::lock_guard lock(tracker_mutex_);
       MOR_CHECK(tracker_.start_at(*frame, start.ct_from_depth));
+      search_.cancel();
     }
+    forget_search();
     cancel_landmarks();
     return {};
   }
@@ -114,6 +143,23 @@ class Loop final : public LiveLoop {
     const std::lock_guard lock(mutex_);
     if (!std::exchange(picking_landmarks_, false)) return;
     still_.reset();
+  }
+
+  Result<TouchedPoint> touch(const Eigen::Vector2d& color_pixel) override {
+    const TrackedFrame shown = [this] {
+      const std::lock_guard lock(mutex_);
+      return still_ ? *still_ : last_;
+    }();
+    if (!shown.ct_from_depth) {
+      return make_error(ErrorCode::kInvalidArgument,
+                        "the body is not tracked: there is no CT point here");
+    }
+    const auto touched = touched_point(shown, color_pixel);
+    if (!touched) {
+      return make_error(ErrorCode::kInvalidArgument,
+                        "the camera has no depth at this point: tap another one nearby");
+    }
+    return *touched;
   }
 
   void set_frozen(bool frozen) override {
@@ -138,17 +184,24 @@ class Loop final : public LiveLoop {
   }
 
   LiveStatus status() const override {
-    const std::lock_guard lock(mutex_);
-    return {.last = last_,
-            .frozen = still_.has_value() && !picking_landmarks_,
-            .picking_landmarks = picking_landmarks_,
-            .frame_rate = shown_rate_.per_second(Clock::now()),
-            .num_dropped = captured_.num_dropped() + tracked_.num_dropped(),
-            .wait_ms = wait_ms_.median(),
-            .depth_ms = depth_ms_.median(),
-            .registration_ms = registration_ms_.median(),
-            .render_ms = render_ms_.median(),
-            .camera_error = camera_error_};
+    LiveStatus status = [this] {
+      const std::lock_guard lock(mutex_);
+      return LiveStatus{.last = last_,
+                        .frozen = still_.has_value() && !picking_landmarks_,
+                        .picking_landmarks = picking_landmarks_,
+                        .search = search_status_,
+                        .bound_mm = std::nullopt,
+                        .frame_rate = shown_rate_.per_second(Clock::now()),
+                        .num_dropped = captured_.num_dropped() + tracked_.num_dropped(),
+                        .wait_ms = wait_ms_.median(),
+                        .depth_ms = depth_ms_.median(),
+                        .registration_ms = registration_ms_.median(),
+                        .judgement_ms = judgement_ms_.median(),
+                        .render_ms = render_ms_.median(),
+                        .camera_error = camera_error_};
+    }();
+    status.bound_mm = bound_in_hole(status.last);
+    return status;
   }
 
  private:
@@ -166,7 +219,8 @@ class Loop final : public LiveLoop {
     camera_error_ = std::move(sentence);
   }
 
-  void capture(std::stop_token stop) {
+  /// The camera's next frame; none at the end of the recording or of the session.
+  FramePtr next_frame(std::stop_token stop) {
     while (!stop.stop_requested()) {
       auto frame = camera_->next_frame(stop);
       if (!frame) {
@@ -175,22 +229,27 @@ class Loop final : public LiveLoop {
         std::condition_variable_any().wait_for(lock, stop, kCameraRetry, [] { return false; });
         continue;
       }
-      if (!*frame) {
-        if (!stop.stop_requested()) set_camera_error("the recording has ended");
-        return;
+      if (*frame) {
+        set_camera_error(std::nullopt);
+      } else if (!stop.stop_requested()) {
+        set_camera_error("the recording has ended");
       }
-      set_camera_error(std::nullopt);
-      captured_.put(*std::move(frame));
+      return *std::move(frame);
     }
+    return nullptr;
+  }
+
+  void capture(std::stop_token stop) {
+    while (auto frame = next_frame(stop)) captured_.put(std::move(frame));
   }
 
   void track(std::stop_token stop) {
-    while (auto frame = captured_.take(stop)) {
-      const double wait_ms = ms_between((*frame)->captured_at, Clock::now());
-      auto tracked = [&] {
-        const std::lock_guard lock(tracker_mutex_);
-        return tracker_.process(*std::move(frame));
-      }();
+    const auto next = [&] {
+      return in_step_ ? next_frame(stop) : captured_.take(stop).value_or(nullptr);
+    };
+    while (auto frame = next()) {
+      const double wait_ms = ms_between(frame->captured_at, Clock::now());
+      auto tracked = follow(std::move(frame));
       if (!tracked) {
         set_camera_error("a picture of the camera cannot be used: " + tracked.error().message);
         continue;
@@ -200,10 +259,72 @@ class Loop final : public LiveLoop {
         last_ = *tracked;
         wait_ms_.add(wait_ms);
         depth_ms_.add(tracked->depth_ms);
+        judgement_ms_.add(tracked->judgement_ms);
         if (tracked->registration) registration_ms_.add(tracked->registration_ms);
       }
       tracked_.put(*std::move(tracked));
     }
+  }
+
+  /// Tracks a frame, and searches for the body where the tracking needs a start. A pose that the
+  /// search found is only offered: the tracker judges it on a frame of now before it is shown.
+  Result<TrackedFrame> follow(FramePtr frame) {
+    const std::lock_guard lock(tracker_mutex_);
+    if (auto ended = search_.take()) offer(*ended);
+    MOR_TRY(auto tracked, tracker_.process(frame));
+    if (!tracked.needs_start) {
+      if (search_.is_searching()) search_.cancel();
+      if (tracked.state == TrackingState::kTracking) forget_search();
+    } else if (!last_searched_at_ || frame->captured_at - *last_searched_at_ >= kSearchPause ||
+               frame->captured_at < *last_searched_at_) {
+      if (!search_.is_searching()) last_searched_at_ = frame->captured_at;
+      if (in_step_) {
+        offer(search_.search(std::move(frame)));
+      } else {
+        search_.begin(std::move(frame));
+      }
+    }
+    const std::lock_guard status_lock(mutex_);
+    search_status_.is_searching = search_.is_searching();
+    return tracked;
+  }
+
+  void offer(const Result<SearchedFrame>& ended) {
+    if (!ended) {
+      log::warn("the search for the body failed: {}", ended.error().message);
+      return;
+    }
+    const auto& [frame, result] = *ended;
+    if (result.status == AutomaticStartStatus::kFound) {
+      tracker_.offer_start(*frame, result.ct_from_depth);
+    }
+    const std::lock_guard lock(mutex_);
+    search_status_.last = result.status;
+    search_status_.reason = result.reason;
+  }
+
+  void forget_search() {
+    const std::lock_guard lock(mutex_);
+    search_status_ = {};
+  }
+
+  static std::optional<TouchedPoint> touched_point(const TrackedFrame& shown,
+                                                   const Eigen::Vector2d& color_pixel) {
+    const auto point = depth_point_at(*shown.frame, color_pixel);
+    if (!point) return std::nullopt;
+    TouchedPoint touched{
+        .ct_mm = *shown.ct_from_depth * *point, .bound_mm = std::nullopt, .state = shown.state};
+    if (shown.covariance) touched.bound_mm = error_bound_mm(*shown.covariance, touched.ct_mm);
+    return touched;
+  }
+
+  std::optional<double> bound_in_hole(const TrackedFrame& shown) const {
+    if (!shown.ct_from_depth || !shown.covariance) return std::nullopt;
+    const auto& color = shown.frame->calibration->color;
+    const Eigen::Vector2d share = view().hole.center.cast<double>();
+    const auto touched =
+        touched_point(shown, {share.x() * color.width_px - 0.5, share.y() * color.height_px - 0.5});
+    return touched ? touched->bound_mm : std::nullopt;
   }
 
   void render(std::stop_token stop, const Show& show, std::promise<Result<void>>& ready) {
@@ -252,6 +373,7 @@ class Loop final : public LiveLoop {
     }
     const nlohmann::json info = {{"frame_id", shown.frame->frame_id},
                                  {"state", to_string(shown.state)},
+                                 {"held", shown.is_held},
                                  {"frozen", is_still}};
     show(*picture, {shown.frame->captured_at, info.dump()});
     keep_snapshot(*picture);
@@ -289,8 +411,12 @@ class Loop final : public LiveLoop {
   const std::shared_ptr<const Case> body_;
   const std::unique_ptr<RangeCamera> camera_;
 
-  std::mutex tracker_mutex_;
+  const bool in_step_;
+
+  std::mutex tracker_mutex_;  ///< Guards the tracker and what it is started from.
   Tracker tracker_;
+  std::optional<Clock::time_point> last_searched_at_;  ///< When that frame was captured.
+  StartSearch search_;
 
   LatestSlot<FramePtr> captured_;
   LatestSlot<TrackedFrame> tracked_;
@@ -300,11 +426,13 @@ class Loop final : public LiveLoop {
   TrackedFrame last_;
   std::optional<TrackedFrame> still_;  ///< Shown instead of the newest.
   bool picking_landmarks_ = false;
+  SearchStatus search_status_;
   std::optional<std::string> camera_error_;
   FrameRate shown_rate_;
   RollingWindow wait_ms_{kTimedFrames};
   RollingWindow depth_ms_{kTimedFrames};
   RollingWindow registration_ms_{kTimedFrames};
+  RollingWindow judgement_ms_{kTimedFrames};
   RollingWindow render_ms_{kTimedFrames};
 
   mutable std::mutex picture_mutex_;
@@ -323,10 +451,18 @@ Result<std::unique_ptr<LiveLoop>> LiveLoop::create(std::shared_ptr<const Case> b
                                                    const LiveLoopOptions& options) {
   MOR_TRY(auto extractor, BodySurfaceExtractor::create(camera->calibration().depth, options.depth));
   MOR_TRY(auto registration, make_fine_registration(body->skin, options.registration));
-  MOR_TRY(auto tracker,
-          Tracker::create(options.tracking, std::move(extractor), std::move(registration)));
-  auto loop = std::make_unique<Loop>(std::move(body), std::move(camera), std::move(tracker));
-  MOR_CHECK(loop->start_by_placement(options.placement));
+  MOR_TRY(
+      auto tracker,
+      Tracker::create(options.tracking, body->skin, std::move(extractor), std::move(registration)));
+  MOR_TRY(auto automatic, AutomaticStart::create(body->skin, camera->calibration().depth, {}));
+  auto loop = std::make_unique<Loop>(std::move(body),
+                                     std::move(camera),
+                                     std::move(tracker),
+                                     std::make_shared<const AutomaticStart>(std::move(automatic)),
+                                     options.in_step);
+  if (options.start == StartMethod::kPlacement) {
+    MOR_CHECK(loop->start_by_placement(options.placement));
+  }
   return loop;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "morgagni/camera/range_camera.h"
 #include "morgagni/casefile/case.h"
 #include "morgagni/core/result.h"
+#include "morgagni/registration/automatic_start.h"
 #include "morgagni/registration/start.h"
 #include "morgagni/session/view_settings.h"
 #include "morgagni/stream/live_server.h"
@@ -20,11 +22,35 @@
 
 namespace mor {
 
+/// How the tracking begins, and begins again after a loss.
+enum class StartMethod : std::uint8_t {
+  kAutomatic,  ///< Searched for in the depth picture.
+  kPlacement,  ///< The body hangs before the camera; the user moves the camera to it.
+};
+
 struct LiveLoopOptions {
   BodySurfaceOptions depth;
   RegistrationOptions registration;
   TrackingOptions tracking;
-  PlacementOptions placement;  ///< Of the start that is tried from the first frame on.
+  StartMethod start = StartMethod::kAutomatic;
+  PlacementOptions placement;
+  /// Every frame is processed, and a search is waited for: a recording gives the same poses each
+  /// time. Else the newest frame counts, and the search goes on beside the tracking.
+  bool in_step = false;
+};
+
+/// What the search for a start says, for the page.
+struct SearchStatus {
+  bool is_searching = false;
+  std::optional<AutomaticStartStatus> last;  ///< Of the last search that ended. None: none yet.
+  std::string reason;                        ///< Why it found no start, in words.
+};
+
+/// A CT point under a finger on the picture.
+struct TouchedPoint {
+  Eigen::Vector3d ct_mm = Eigen::Vector3d::Zero();
+  std::optional<double> bound_mm;  ///< 95 % of the errors there are smaller. None: not known.
+  TrackingState state = TrackingState::kWaiting;
 };
 
 /// What goes on, for the page.
@@ -32,11 +58,15 @@ struct LiveStatus {
   TrackedFrame last;  ///< Newest tracked frame; its `frame` is null before the first.
   bool frozen = false;
   bool picking_landmarks = false;
+  SearchStatus search;
+  /// Error bound on the skin in the middle of the hole, of the newest frame.
+  std::optional<double> bound_mm;
   double frame_rate = 0.0;
   std::uint64_t num_dropped = 0;  ///< Frames that a slower stage passed over.
   double wait_ms = 0.0;           ///< Medians of the last 60 frames: capture to tracking,
   double depth_ms = 0.0;          ///< depth image to body surface,
   double registration_ms = 0.0;   ///< registration,
+  double judgement_ms = 0.0;      ///< judging the pose,
   double render_ms = 0.0;         ///< and drawing.
   std::optional<std::string> camera_error;
 };
@@ -60,6 +90,9 @@ class LiveLoop {
   /// Ends the threads; `show` is not called after this returns.
   virtual void stop() = 0;
 
+  /// Searches for the body in the depth picture, from now on and after each loss.
+  virtual void start_automatically() = 0;
+
   /// Looks for the body where it is placed. @errors kInvalidArgument: bad options.
   [[nodiscard]] virtual Result<void> start_by_placement(const PlacementOptions& options) = 0;
 
@@ -74,6 +107,10 @@ class LiveLoop {
   /// Tracker::start_at.
   [[nodiscard]] virtual Result<void> accept_landmarks(const std::vector<LandmarkPair>& pairs) = 0;
   virtual void cancel_landmarks() = 0;
+
+  /// What lies under a pixel of the colour picture shown, and how sure that is.
+  /// @errors kInvalidArgument: there is no pose, or no depth there.
+  [[nodiscard]] virtual Result<TouchedPoint> touch(const Eigen::Vector2d& color_pixel) = 0;
 
   virtual void set_frozen(bool frozen) = 0;
   [[nodiscard]] virtual ViewSettings view() const = 0;

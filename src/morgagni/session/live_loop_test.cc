@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <functional>
 #include <map>
@@ -57,8 +58,8 @@ class ToldCamera final : public RangeCamera {
 
 class LiveLoopTest : public testing::Test {
  protected:
-  void start(std::unique_ptr<RangeCamera> camera) {
-    auto made = LiveLoop::create(synthetic_case(), std::move(camera), {});
+  void start(std::unique_ptr<RangeCamera> camera, const LiveLoopOptions& options = {}) {
+    auto made = LiveLoop::create(synthetic_case(), std::move(camera), options);
     ASSERT_TRUE(made) << made.error().message;
     loop_ = *std::move(made);
     for (auto& route : make_live_routes(synthetic_case(), loop_, {})) {
@@ -74,12 +75,15 @@ class LiveLoopTest : public testing::Test {
     ASSERT_TRUE(running) << running.error().message;
   }
 
-  void start_simulated() {
+  /// The body is an egg: no search could tell its poses apart, so it is placed.
+  void start_simulated(StartMethod method = StartMethod::kPlacement) {
     const auto body = synthetic_case();
     auto camera = open_camera("simulated:",
                               std::shared_ptr<const TriangleMesh>(body->skin, &body->skin->mesh));
     ASSERT_TRUE(camera) << camera.error().message;
-    start(*std::move(camera));
+    LiveLoopOptions options;
+    options.start = method;
+    start(*std::move(camera), options);
   }
 
   void TearDown() override {
@@ -169,6 +173,63 @@ TEST_F(LiveLoopTest, LandmarksTappedOnBothViewsStartTheTracking) {
   EXPECT_TRUE(tracks());
 }
 
+TEST_F(LiveLoopTest, ATouchSaysWhichCtPointItIsAndHowSure) {
+  start_simulated();
+  ASSERT_TRUE(tracks());
+  const auto touched = Json::parse(ask("POST /api/touch", R"({"x": 320, "y": 240})").body);
+  const auto ct = touched["ct_mm"].get<std::vector<double>>();
+  FieldSample sample;
+  const Eigen::Vector3d point(ct.at(0), ct.at(1), ct.at(2));
+  ASSERT_TRUE(
+      DistanceField::look_up(synthetic_case()->skin->field.fine(), point.cast<float>(), sample));
+  EXPECT_LT(std::abs(sample.distance_mm), 10.0F) << "not on the skin";
+  EXPECT_GT(touched["bound_mm"].get<double>(), 0.0);
+  EXPECT_EQ(ask("POST /api/touch", R"({"x": "left"})").status, 400);
+  EXPECT_TRUE(eventually([this] { return loop_->status().bound_mm.has_value(); }));
+}
+
+TEST_F(LiveLoopTest, SearchesForTheBodyAndSaysWhyItFindsNone) {
+  start_simulated(StartMethod::kAutomatic);
+  EXPECT_TRUE(eventually([this] {
+    const auto status = loop_->status();
+    return status.search.last || status.last.state == TrackingState::kTracking;
+  }));
+  EXPECT_TRUE(eventually([this] {
+    const std::lock_guard lock(mutex_);
+    return num_pictures_ > 10;
+  })) << "the live picture goes on";
+}
+
+TEST_F(LiveLoopTest, TheAutomaticStartTakesTheOutlineAway) {
+  start_simulated();
+  ASSERT_TRUE(tracks());
+  ASSERT_EQ(ask("POST /api/start/placement", R"({"distance_mm": 2900})").status, 200);
+  ASSERT_TRUE(eventually([this] { return loop_->status().last.ct_from_ghost.has_value(); }));
+  ASSERT_EQ(ask("POST /api/start/automatic").status, 200);
+  EXPECT_TRUE(eventually([this] { return !loop_->status().last.ct_from_ghost; }));
+}
+
+TEST_F(LiveLoopTest, InStepEveryFrameOfARecordingIsTracked) {
+  std::atomic<std::uint64_t> told = 0;
+  LiveLoopOptions options;
+  options.in_step = true;
+  const auto calibration = std::make_shared<const RgbdCalibration>(RgbdCalibration{
+      {160, 120, 130.0, 130.0, 79.5, 59.5, {}}, {160, 120, 130.0, 130.0, 79.5, 59.5, {}}, {}});
+  start(std::make_unique<ToldCamera>([&](std::stop_token) -> ToldCamera::Frame {
+          if (told >= 50) return nullptr;
+          auto frame = std::make_shared<RgbdFrame>();
+          frame->frame_id = told++;
+          frame->calibration = calibration;
+          frame->depth_mm = Image<std::uint16_t>(160, 120, 0);
+          frame->color = Image<Rgb8>(160, 120);
+          return frame;
+        }),
+        options);
+  EXPECT_TRUE(
+      eventually([this] { return loop_->status().camera_error == "the recording has ended"; }));
+  EXPECT_EQ(loop_->status().last.frame->frame_id, 49U);
+}
+
 TEST_F(LiveLoopTest, SaysWhatIsWrongWithARequest) {
   start_simulated();
   ASSERT_TRUE(tracks());
@@ -179,6 +240,7 @@ TEST_F(LiveLoopTest, SaysWhatIsWrongWithARequest) {
   };
   EXPECT_THAT(sentence("POST /api/landmarks/live", R"({"x": 1, "y": 2})"), HasSubstr("begin"));
   EXPECT_THAT(sentence("POST /api/landmarks/solve", R"({"pairs": []})"), HasSubstr("at least 3"));
+  EXPECT_THAT(sentence("POST /api/touch", R"({"x": -5000, "y": 2})"), HasSubstr("no depth"));
   EXPECT_THAT(sentence("POST /api/landmarks/solve", R"({"pairs": [1]})"), HasSubstr("ct_mm"));
   EXPECT_THAT(sentence("POST /api/landmarks/ct", R"({"x": 1, "y": 1, "yaw": 0, "pitch": 0})"),
               HasSubstr("no skin"));
@@ -228,6 +290,10 @@ TEST(StatusJson, HasEveryMemberThePageReads) {
   LiveStatus status;
   const auto json = Json::parse(status_json(status, {}, {}, "field", "simulated:"));
   for (const char* member : {"state",
+                             "held",
+                             "doubts",
+                             "bound_mm",
+                             "search",
                              "starting",
                              "frozen",
                              "rms_distance_mm",
@@ -245,6 +311,13 @@ TEST(StatusJson, HasEveryMemberThePageReads) {
     EXPECT_TRUE(json.contains(member)) << member;
   }
   EXPECT_EQ(json["state"], "waiting");
+  EXPECT_EQ(json["starting"], "automatic");
+  status.search = {.is_searching = true,
+                   .last = AutomaticStartStatus::kAmbiguous,
+                   .reason = "the body looks alike"};
+  const auto searching = Json::parse(status_json(status, {}, {}, "field", "simulated:"));
+  EXPECT_EQ(searching["search"]["searching"], true);
+  EXPECT_EQ(searching["search"]["last"], "ambiguous");
   EXPECT_TRUE(json["rms_distance_mm"].is_null());
 }
 

@@ -100,7 +100,7 @@ export class LivePage {
     return this.page.evaluate(() => performance.now());
   }
 
-  /** Waits for a tracking state ("waiting", "tracking", "skipped", "lost"). */
+  /** Waits for a tracking state ("waiting", "tracking", "uncertain", "lost"). */
   async wait_for_state(state, timeout_ms = 20000) {
     await this.page.waitForFunction(
       (wanted) => window.morgagni?.status?.state === wanted, state, { timeout: timeout_ms });

@@ -51,12 +51,22 @@ async function check_targets(where) {
 
 async function states_are_words() {
   for (const [state, words] of [['waiting', 'Waiting for start'], ['tracking', 'Tracking'],
-    ['skipped', 'Skipped, pose held'], ['lost', 'Lost']]) {
-    await pretend({ state });
+    ['uncertain', 'Uncertain'], ['lost', 'Lost']]) {
+    await pretend({ state, starting: state === 'waiting' ? 'placement' : null });
     await live.wait_for_state(state);
     await page.locator(`.state.${state}`, { hasText: words }).waitFor();
     await shoot(`state_${state}`);
   }
+  await pretend({ state: 'tracking', bound_mm: 0.64 });
+  await page.locator('.state', { hasText: 'Tracking ≤ 0.6 mm' }).waitFor();
+  await pretend({ state: 'uncertain', doubts: ['little-seen'], bound_mm: 3.2 });
+  await page.getByText('Uncertain: little of the body is seen').waitFor();
+  await page.locator('.stage.uncertain').waitFor();
+  await shoot('uncertain');
+  await pretend({ held: true, doubts: ['no-body'], bound_mm: null });
+  await page.locator('.state', { hasText: 'Uncertain, pose held' }).waitFor();
+  await page.getByText('Old position held: no body in view').waitFor();
+  await pretend({ state: 'tracking', held: false, doubts: [], bound_mm: 0.64 });
   await page.getByText('Pretended body 17').waitFor();
   await page.getByText('Not a medical device').waitFor();
 }
@@ -80,6 +90,28 @@ async function view_follows_the_finger() {
   await view_becomes((view) => view.hole_x === 0.5 && view.hole_y === 0.5);
 }
 
+async function start_automatically() {
+  await key('Automatic').click();
+  await page.locator('.state', { hasText: 'Searching' }).waitFor();
+  await page.getByText('Searching: point the camera at the body').waitFor();
+  await shoot('searching');
+  await pretend({ search: { searching: true, last: 'ambiguous', reason: 'two poses' } });
+  await page.getByText('move the camera so that more of the body is seen').waitFor();
+  await shoot('ambiguous');
+  await pretend({ state: 'tracking', starting: null, search: null });
+  await page.locator('.state.tracking').waitFor();
+}
+
+async function touch_says_the_error() {
+  await pause(500);
+  await tap('.stage', 0.3, 0.4);
+  await page.locator('.readout .words', { hasText: 'error ≤ 1.3 mm' }).waitFor();
+  await shoot('touched');
+  await tap('.stage', 0.02, 0.5);
+  await page.getByText('The camera has no depth at that point.').waitFor();
+  assert.ok(!(await page.locator('.readout .words').isVisible()), 'the old point stays');
+}
+
 async function start_by_placement() {
   await key('Placement').click();
   await page.waitForFunction(() => window.morgagni.status.starting === 'placement');
@@ -88,6 +120,10 @@ async function start_by_placement() {
   assert.equal(await key('Back').getAttribute('aria-pressed'), 'true');
   await check_targets('placement');
   await shoot('placement');
+  await key('Close').click();
+  await page.waitForFunction(() => window.morgagni.status.starting === 'automatic');
+  await key('Placement').click();
+  await page.waitForFunction(() => window.morgagni.status.starting === 'placement');
   await pretend({ state: 'tracking', starting: null });
   await page.getByText('The body is found').waitFor();
   await key('Landmarks').waitFor();
@@ -145,7 +181,8 @@ async function freeze_and_snapshot() {
 }
 
 async function other_screens() {
-  for (const [width, height] of [[768, 1024], [390, 844], [844, 390], [1024, 768]]) {
+  for (const [width, height] of [[1180, 820], [820, 1180], [768, 1024], [390, 844], [844, 390],
+    [1024, 768]]) {
     await page.setViewportSize({ width, height });
     await pause(300);
     await check_targets(`${width}x${height}`);
@@ -156,7 +193,8 @@ async function other_screens() {
 try {
   await live.wait_for_picture();
   await check_targets('the live view');
-  for (const step of [states_are_words, view_follows_the_finger, start_by_placement,
+  for (const step of [states_are_words, view_follows_the_finger, start_automatically,
+    touch_says_the_error, start_by_placement,
     start_by_landmarks, freeze_and_snapshot, other_screens]) {
     await step().catch((error) => {
       throw new Error(`${step.name}: ${error.message}`);

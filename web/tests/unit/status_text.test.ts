@@ -3,10 +3,13 @@
 import { describe, expect, it } from 'vitest';
 import type { Status } from '../../src/api';
 import { sentenceOf } from '../../src/server_error';
-import { bannerOf, milliseconds, millimetres, snapshotName } from '../../src/status_text';
+import {
+  adviceOf, bannerOf, milliseconds, millimetres, snapshotName, stateWords, touchLines,
+} from '../../src/status_text';
 
 const status = (change: Partial<Status>): Status => ({
-  state: 'tracking', starting: null, frozen: false, camera_error: null, ...change,
+  state: 'tracking', held: false, doubts: [], bound_mm: null, starting: null, search: null,
+  frozen: false, camera_error: null, ...change,
 }) as Status;
 
 describe('bannerOf', () => {
@@ -30,6 +33,55 @@ describe('bannerOf', () => {
     const picking = status({ frozen: true, starting: 'landmarks' });
     expect(bannerOf('stale', 3200, '', picking, true)).toBeUndefined();
     expect(bannerOf('stale', 3200, '', picking)?.kind).toBe('calm');
+  });
+});
+
+describe('stateWords', () => {
+  it('says how far off the picture may be', () => {
+    expect(stateWords('tracking', status({ bound_mm: 0.64 }))).toBe('Tracking ≤ 0.6 mm');
+    expect(stateWords('tracking', status({}))).toBe('Tracking');
+    expect(stateWords('uncertain', status({ bound_mm: 7 }))).toBe('Uncertain ≤ 7.0 mm');
+  });
+  it('gives no figure to a pose of an earlier picture, or to none', () => {
+    expect(stateWords('uncertain', status({ held: true }))).toBe('Uncertain, pose held');
+    expect(stateWords('lost', status({ bound_mm: 1 }))).toBe('Lost');
+    expect(stateWords('unknown', undefined)).toBe('No server');
+  });
+  it('tells searching from waiting for the user', () => {
+    expect(stateWords('waiting', status({ starting: 'automatic' }))).toBe('Searching');
+    expect(stateWords('waiting', status({ starting: 'placement' }))).toBe('Waiting for start');
+  });
+});
+
+describe('adviceOf', () => {
+  const search = (last: 'ambiguous' | 'not found' | null) => ({ searching: true, last, reason: '' });
+  it('is silent while all is well, and over a frozen picture', () => {
+    expect(adviceOf(status({}))).toBe('');
+    expect(adviceOf(status({ state: 'lost', frozen: true }))).toBe('');
+    expect(adviceOf(undefined)).toBe('');
+  });
+  it('says why a pose is uncertain', () => {
+    const doubts = ['little-seen', 'jump'] as const;
+    expect(adviceOf(status({ state: 'uncertain', doubts: [...doubts] }))).toBe(
+      'Uncertain: little of the body is seen, moved fast');
+    expect(adviceOf(status({ state: 'uncertain', held: true, doubts: ['no-body'] }))).toBe(
+      'Old position held: no body in view');
+  });
+  it('says what helps the search', () => {
+    const waiting = { state: 'waiting', starting: 'automatic' } as const;
+    expect(adviceOf(status(waiting))).toContain('Searching');
+    expect(adviceOf(status({ ...waiting, search: search('ambiguous') }))).toContain('more of the body');
+    expect(adviceOf(status({ ...waiting, search: search('not found') }))).toContain('50 to 100 cm');
+    expect(adviceOf(status({ state: 'lost', search: search(null) }))).toContain('Lost.');
+    expect(adviceOf(status({ state: 'waiting', starting: 'placement' }))).toBe('');
+  });
+});
+
+describe('touchLines', () => {
+  it('has the point and its error, also where that is not known', () => {
+    expect(touchLines({ ct_mm: [-12.4, 3.6, 700], bound_mm: 0.81, state: 'tracking' })).toEqual(
+      ['error ≤ 0.8 mm', 'CT -12, 4, 700 mm']);
+    expect(touchLines({ ct_mm: [0, 0, 0], bound_mm: null, state: 'tracking' })[0]).toContain('not known');
   });
 });
 

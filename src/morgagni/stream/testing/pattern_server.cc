@@ -87,6 +87,8 @@ class PretendedSession {
     return {
         route("GET", "/api/case", &PretendedSession::get_case),
         route("POST", "/api/view", &PretendedSession::set_view),
+        route("POST", "/api/start/automatic", &PretendedSession::search),
+        route("POST", "/api/touch", &PretendedSession::touch),
         route("POST", "/api/start/placement", &PretendedSession::place),
         route("POST", "/api/landmarks/begin", &PretendedSession::begin_landmarks),
         route("POST", "/api/landmarks/ct", &PretendedSession::pick_ct),
@@ -147,6 +149,18 @@ class PretendedSession {
     if (!change.is_object()) return refuse(400, "the body must be a JSON object");
     view_.merge_patch(change);
     return ok(view_);
+  }
+  HttpResponse search(const HttpRequest&) {
+    status_.update({{"starting", "automatic"},
+                    {"state", "waiting"},
+                    {"search", {{"searching", true}, {"last", nullptr}, {"reason", ""}}}});
+    return ok(json::object());
+  }
+  HttpResponse touch(const HttpRequest& request) {
+    const auto point = json::parse(request.body, nullptr, false);
+    if (!point.is_object()) return refuse(400, "the body must be a JSON object");
+    if (point.value("x", 0.0) < 20) return refuse(422, "the camera has no depth at that point");
+    return ok({{"ct_mm", {-12.0, 84.0, 210.0}}, {"bound_mm", 1.3}, {"state", status_["state"]}});
   }
   HttpResponse place(const HttpRequest& request) {
     const auto placement = json::parse(request.body, nullptr, false);
@@ -237,14 +251,18 @@ class PretendedSession {
                 {"structures", {{"bone", true}, {"vessels", true}}}};
   json status_ = {
       {"state", "waiting"},
+      {"held", false},
+      {"doubts", json::array()},
+      {"bound_mm", 0.64},
       {"starting", nullptr},
+      {"search", nullptr},
       {"frozen", false},
       {"rms_distance_mm", 1.9},
       {"e_valid_mm", 1.6},
       {"explained_fraction", 0.87},
       {"frame_rate", 29.7},
       {"stage_ms", {{"camera", 2.0}, {"depth", 3.1}, {"registration", 4.2}, {"render", 12.0}}},
-      {"frames", {{"tracked", 1204}, {"skipped", 7}, {"lost", 1}}},
+      {"frames", {{"tracked", 1204}, {"uncertain", 7}, {"lost", 1}, {"resumed", 1}}},
       {"method", "field"},
       {"camera", "simulated:"},
       {"camera_error", nullptr}};
