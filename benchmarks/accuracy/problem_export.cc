@@ -113,7 +113,7 @@ class FrameExport {
   [[nodiscard]] Result<void> add(const RgbdFrame& frame, const Eigen::Isometry3d& truth) {
     writer_.begin_frame(frame.frame_id, truth);
     if (options_.start == StartKind::kNone) {
-      MOR_TRY(const auto cloud, surface(frame, std::nullopt));
+      MOR_TRY(const auto cloud, surface(frame, truth));
       return writer_.add_run(cloud, Eigen::Isometry3d::Identity());
     }
     MOR_TRY(const auto seen, surface(frame, truth));
@@ -128,13 +128,11 @@ class FrameExport {
   }
 
  private:
-  /// Grown from where `ct_from_depth` expects the body: no method is told the truth.
-  [[nodiscard]] Result<TriangleMesh> surface(
-      const RgbdFrame& frame, const std::optional<Eigen::Isometry3d>& ct_from_depth) {
+  /// Cut out where `ct_from_depth` expects the body.
+  [[nodiscard]] Result<TriangleMesh> surface(const RgbdFrame& frame,
+                                             const Eigen::Isometry3d& ct_from_depth) {
     MOR_TRY(auto body,
-            ct_from_depth ? extractor_.extract(frame.depth_mm.view(),
-                                               places_facing_camera(skin_, *ct_from_depth))
-                          : extractor_.extract(frame.depth_mm.view()));
+            extractor_.extract(frame.depth_mm.view(), places_facing_camera(skin_, ct_from_depth)));
     if (body.cloud.empty()) {
       return make_error(ErrorCode::kInvalidArgument,
                         fmt::format("frame {} shows no surface in range", frame.frame_id));

@@ -15,7 +15,8 @@ namespace mor::peers {
 enum class StartKind : std::uint8_t {
   kRough,    ///< The truth, disturbed as by landmarks or a placement.
   kTracked,  ///< The truth, disturbed as by one frame's motion.
-  kNone,     ///< Nowhere: global registration of what grows from the picture's centre.
+  kNone,     ///< Nowhere: global registration. Who takes the cloud instead of the picture is shown
+             ///< the body cut out where it truly is.
 };
 
 struct ExportOptions {
@@ -28,7 +29,7 @@ struct ExportOptions {
   std::uint64_t seed = 1;
 };
 
-/// Writes what every method is given, read again by peers::read_problems(): the skin, each frame's
+/// Writes what every method is given, read again by read_problems(): the skin, each frame's
 /// clouds as PLY, and problems.json with starts, truths and targets.
 /// @param recording  A TUM folder with groundtruth.txt and targets.csv.
 /// @errors whatever the readers report; kInvalidArgument: a frame that shows no surface.

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -13,8 +14,12 @@
 #include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/camera/tum_recording.h"
 #include "morgagni/casefile/case.h"
+#include "morgagni/depth/body_surface.h"
+#include "morgagni/registration/automatic_start.h"
 #include "morgagni/registration/fine_registration.h"
+#include "morgagni/registration/visible_place.h"
 
 #include "peers/answering.h"
 #include "peers/problem.h"
@@ -40,7 +45,7 @@ class OwnMethod : public Method {
 
   void set_moving(const TriangleMesh& moving) override { moving_ = to_point_cloud(moving); }
 
-  Eigen::Isometry3d align(const Eigen::Isometry3d& fixed_from_moving_init) override {
+  std::optional<Eigen::Isometry3d> align(const Eigen::Isometry3d& fixed_from_moving_init) override {
     return value_or_throw(registration_->align(moving_, fixed_from_moving_init, start_quality_))
         .fixed_from_moving;
   }
@@ -49,6 +54,44 @@ class OwnMethod : public Method {
   std::unique_ptr<FineRegistration> registration_;
   StartQuality start_quality_;
   PointCloud moving_;
+};
+
+/// The automatic start on the depth picture, then fine registration of what is cut out there.
+class OwnAutomaticStart : public Method {
+ public:
+  OwnAutomaticStart(std::shared_ptr<const FixedSurface> fixed,
+                    const std::filesystem::path& recording,
+                    const BodySurfaceOptions& depth)
+      : recording_(value_or_throw(TumRecording::open(recording))),
+        fixed_(std::move(fixed)),
+        start_(value_or_throw(
+            AutomaticStart::create(fixed_, recording_.calibration()->depth, {.num_threads = 1}))),
+        extractor_(
+            value_or_throw(BodySurfaceExtractor::create(recording_.calibration()->depth, depth))),
+        registration_(value_or_throw(make_fine_registration(fixed_, {}))) {}
+
+  void set_frame(const ProblemFrame& frame) override {
+    picture_ = value_or_throw(recording_.read(frame.recording_frame));
+  }
+  void set_moving(const TriangleMesh& /*cut out at the truth*/) override {}
+
+  std::optional<Eigen::Isometry3d> align(const Eigen::Isometry3d& /*none*/) override {
+    const auto found = value_or_throw(start_.find(picture_->depth_mm.view()));
+    if (found.status != AutomaticStartStatus::kFound) return std::nullopt;
+    const auto body = value_or_throw(extractor_.extract(
+        picture_->depth_mm.view(), places_facing_camera(fixed_->mesh, found.ct_from_depth)));
+    return value_or_throw(
+               registration_->align(body.cloud, found.ct_from_depth, StartQuality::kRough))
+        .fixed_from_moving;
+  }
+
+ private:
+  TumRecording recording_;
+  std::shared_ptr<const FixedSurface> fixed_;
+  AutomaticStart start_;
+  BodySurfaceExtractor extractor_;
+  std::unique_ptr<FineRegistration> registration_;
+  std::shared_ptr<const RgbdFrame> picture_;
 };
 
 struct Arguments {
@@ -69,6 +112,10 @@ int answer(const Arguments& arguments) {
       return std::make_unique<OwnMethod>(body.skin, method, start_quality);
     });
   }
+  makers.emplace("automatic-start", [&] {
+    return std::make_unique<OwnAutomaticStart>(
+        body.skin, problems.recording, arguments.options.depth);
+  });
   return answer_requests(problems, makers);
 }
 
@@ -83,7 +130,6 @@ void add_export_options(CLI::App& command, ExportOptions& options) {
   command.add_option("--start-error-mm", options.start_error_mm);
   command.add_option("--start-error-deg", options.start_error_deg);
   command.add_option("--seed", options.seed);
-  command.add_option("--far-mm", options.depth.far_mm);
 }
 
 int run(int argc, char** argv) {
@@ -98,6 +144,7 @@ int run(int argc, char** argv) {
     command->add_option("PROBLEMS", arguments.problems, "Their folder")->required();
     command->add_option("--case", arguments.folder, "Folder that `morgagni prepare` made")
         ->required();
+    command->add_option("--far-mm", arguments.options.depth.far_mm);
   }
   write->add_option("--recording", arguments.recording, "With groundtruth.txt and targets.csv")
       ->required();

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "answering.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <ctime>
@@ -32,10 +33,10 @@ double wall_ms() {
 Json timed_run(Method& method, const Eigen::Isometry3d& init) {
   const double wall_start_ms = wall_ms();
   const double cpu_start_ms = cpu_ms();
-  const Eigen::Isometry3d fixed_from_moving = method.align(init);
+  const std::optional<Eigen::Isometry3d> fixed_from_moving = method.align(init);
   const double cpu_end_ms = cpu_ms();
   const double wall_end_ms = wall_ms();
-  return {{"pose", to_numbers(fixed_from_moving)},
+  return {{"pose", fixed_from_moving ? Json(to_numbers(*fixed_from_moving)) : Json()},
           {"wall_ms", wall_end_ms - wall_start_ms},
           {"cpu_ms", cpu_end_ms - cpu_start_ms}};
 }
@@ -55,6 +56,7 @@ Json answer(const ProblemSet& problems,
   auto& method = methods[name];
   if (!method) method = makers.at(name)();
   const ProblemFrame& frame = problems.frames[frame_idx];
+  method->set_frame(frame);
   const TriangleMesh* moving = nullptr;
   Json runs = Json::array();
   for (std::size_t i = 0; i < std::min(num_runs, frame.runs.size()); ++i) {

@@ -70,11 +70,12 @@ class Open3dGlobal : public Method {
 
   void set_moving(const TriangleMesh& moving) override { moving_ = to_open3d(moving); }
 
-  Eigen::Isometry3d align(const Eigen::Isometry3d& /*none*/) override {
+  std::optional<Eigen::Isometry3d> align(const Eigen::Isometry3d& /*none*/) override {
     open3d::utility::random::Seed(kSeed);
     const Eigen::Isometry3d rough(match_(Features(moving_), fixed_features_));
     constexpr auto kRefinement = Open3dEstimator::kPointToPlane;
-    return align_coarse_to_fine(*fixed_, moving_, rough, kRefinement, open3d_levels(kRefinement));
+    return align_coarse_to_fine(
+        *fixed_, moving_, rough, kRefinement, open3d_levels(kRefinement, /*is_tracked=*/false));
   }
 
  private:

@@ -95,9 +95,12 @@ class Open3dIcp : public Method {
 
   void set_moving(const TriangleMesh& moving) override { moving_ = to_open3d(moving); }
 
-  Eigen::Isometry3d align(const Eigen::Isometry3d& fixed_from_moving_init) override {
-    return align_coarse_to_fine(
-        *fixed_, moving_, fixed_from_moving_init, estimator_, open3d_levels(estimator_));
+  std::optional<Eigen::Isometry3d> align(const Eigen::Isometry3d& fixed_from_moving_init) override {
+    return align_coarse_to_fine(*fixed_,
+                                moving_,
+                                fixed_from_moving_init,
+                                estimator_,
+                                open3d_levels(estimator_, fixed_->starts_are_tracked));
   }
 
  private:
@@ -114,10 +117,10 @@ class Open3dWholeFunction : public Method {
 
   void set_moving(const TriangleMesh& moving) override { moving_ = to_open3d(moving); }
 
-  Eigen::Isometry3d align(const Eigen::Isometry3d& fixed_from_moving_init) override {
+  std::optional<Eigen::Isometry3d> align(const Eigen::Isometry3d& fixed_from_moving_init) override {
     constexpr auto kEstimator = Open3dEstimator::kPointToPlane;
     Eigen::Matrix4d fixed_from_moving = fixed_from_moving_init.matrix();
-    for (const auto& level : open3d_levels(kEstimator)) {
+    for (const auto& level : open3d_levels(kEstimator, fixed_->starts_are_tracked)) {
       fixed_from_moving =
           o3r::RegistrationICP(*moving_.UniformDownSample(level.point_stride),
                                fixed_->cloud,
@@ -137,7 +140,8 @@ class Open3dWholeFunction : public Method {
 
 }  // namespace
 
-Open3dFixed::Open3dFixed(const TriangleMesh& skin) : cloud(to_open3d(skin)) {
+Open3dFixed::Open3dFixed(const TriangleMesh& skin, bool are_tracked)
+    : cloud(to_open3d(skin)), starts_are_tracked(are_tracked) {
   cloud.covariances_ = disc_covariances(cloud.normals_);
   tree.SetGeometry(cloud);
 }
@@ -166,10 +170,10 @@ Eigen::Isometry3d align_coarse_to_fine(const Open3dFixed& fixed,
   return fixed_from_moving;
 }
 
-std::vector<Open3dLevel> open3d_levels(Open3dEstimator estimator) {
-  std::vector<Open3dLevel> levels = {{50.0, 50.0, 8, 15, 0.05, 1e-3},
-                                     {25.0, 25.0, 8, 15, 0.05, 1e-3},
-                                     {12.0, 12.0, 4, 15, 0.02, 1e-3}};
+std::vector<Open3dLevel> open3d_levels(Open3dEstimator estimator, bool is_tracked) {
+  std::vector<Open3dLevel> levels;
+  if (!is_tracked) levels = {{50.0, 50.0, 8, 15, 0.05, 1e-3}, {25.0, 25.0, 8, 15, 0.05, 1e-3}};
+  levels.push_back({12.0, 12.0, 4, 15, 0.02, 1e-3});
   if (estimator == Open3dEstimator::kPointToPlane) {
     levels.push_back({6.0, 6.0, 4, 15, 0.01, 1e-3});
     levels.push_back({6.0, 3.0, 1, 20, 1e-3, 1e-4});

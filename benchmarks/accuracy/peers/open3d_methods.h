@@ -16,10 +16,11 @@ namespace mor::peers {
 
 /// The fixed side, ready for every Open3D method.
 struct Open3dFixed {
-  explicit Open3dFixed(const TriangleMesh& skin);
+  Open3dFixed(const TriangleMesh& skin, bool starts_are_tracked);
 
   open3d::geometry::PointCloud cloud;  ///< With normals, and the covariances that they imply.
   open3d::geometry::KDTreeFlann tree;
+  bool starts_are_tracked = false;
 };
 
 /// One gate of a coarse-to-fine ICP.
@@ -45,8 +46,8 @@ enum class Open3dEstimator : std::uint8_t { kPointToPoint, kPointToPlane, kGener
                                                      Open3dEstimator estimator,
                                                      const std::vector<Open3dLevel>& levels);
 
-/// For a start up to 30 mm / 20 degrees off.
-[[nodiscard]] std::vector<Open3dLevel> open3d_levels(Open3dEstimator estimator);
+/// For a start up to 30 mm / 20 degrees off; a tracked one (5 mm / 2 degrees) skips the first two.
+[[nodiscard]] std::vector<Open3dLevel> open3d_levels(Open3dEstimator estimator, bool is_tracked);
 
 /// "open3d-point-to-plane", "open3d-generalized", "open3d-point-to-point",
 /// "open3d-registration-icp" (point-to-plane by the library's whole function).

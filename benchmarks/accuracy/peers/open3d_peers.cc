@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
     return 1;
   }
   open3d::utility::SetVerbosityLevel(open3d::utility::VerbosityLevel::Error);
-  const auto fixed = std::make_shared<const Open3dFixed>(problems->fixed);
+  const auto fixed = std::make_shared<const Open3dFixed>(problems->fixed, problems->is_tracked);
   MethodMakers makers;
   add_open3d_icp(fixed, makers);
   add_open3d_global(fixed, makers);

@@ -28,20 +28,21 @@ PclCloud::Ptr in_metres(const PclCloud& cloud, const Eigen::Isometry3d& a_from_c
 
 /// The fixed side about its centre, in metres.
 struct CentredFixed {
-  explicit CentredFixed(const PclFixed& fixed) {
+  explicit CentredFixed(const PclFixed& fixed)
+      : covariances(fixed.covariances), starts_are_tracked(fixed.starts_are_tracked) {
     Eigen::Vector3d center = Eigen::Vector3d::Zero();
     for (const auto& point : *fixed.cloud) center += point.getVector3fMap().cast<double>();
     centred_from_fixed.translation() = -center / static_cast<double>(fixed.cloud->size());
     cloud = in_metres(*fixed.cloud, centred_from_fixed);
     tree = pcl::make_shared<PclTree>();
     tree->setInputCloud(cloud);
-    covariances = fixed.covariances;
   }
 
   Eigen::Isometry3d centred_from_fixed = Eigen::Isometry3d::Identity();
   PclCloud::Ptr cloud;
   PclTree::Ptr tree;
   pcl::shared_ptr<PclCovariances> covariances;
+  bool starts_are_tracked = false;
 };
 
 /// A method that refines a cloud already near: handed the cloud at its start, it says how to move
@@ -52,7 +53,7 @@ class CentredMethod : public Method {
 
   void set_moving(const TriangleMesh& moving) override { moving_ = to_pcl(moving); }
 
-  Eigen::Isometry3d align(const Eigen::Isometry3d& fixed_from_moving_init) override {
+  std::optional<Eigen::Isometry3d> align(const Eigen::Isometry3d& fixed_from_moving_init) override {
     const Eigen::Isometry3d& centred_from_fixed = fixed_.centred_from_fixed;
     const PclCloud::Ptr start = in_metres(*moving_, centred_from_fixed * fixed_from_moving_init);
     Eigen::Isometry3d motion = refine(fixed_, *start);
@@ -77,10 +78,7 @@ class PclGicp : public CentredMethod {
   [[nodiscard]] Eigen::Isometry3d refine(const CentredFixed& fixed,
                                          const PclCloud& start) override {
     Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-    for (const PclLevel& level : {PclLevel{50.0, 8, 15, 0.5, 5e-3},
-                                  PclLevel{25.0, 8, 15, 0.5, 5e-3},
-                                  PclLevel{12.0, 4, 15, 0.1, 1e-3},
-                                  PclLevel{6.0, 1, 30, 0.01, 1e-4}}) {
+    for (const PclLevel& level : pcl_levels(fixed.starts_are_tracked)) {
       motion = refine_level(fixed, *every_nth_point(start, level.point_stride), motion, level);
     }
     return motion;

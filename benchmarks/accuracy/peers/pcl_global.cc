@@ -84,14 +84,14 @@ class PclGlobal : public Method {
 
   void set_moving(const TriangleMesh& moving) override { moving_ = to_pcl(moving); }
 
-  Eigen::Isometry3d align(const Eigen::Isometry3d& /*none*/) override {
+  std::optional<Eigen::Isometry3d> align(const Eigen::Isometry3d& /*none*/) override {
     std::srand(kSeed);
     const Eigen::Matrix4f rough = match_(Features(moving_), fixed_features_);
     return align_pcl_icp(*fixed_,
                          *moving_,
                          to_isometry(rough.cast<double>()),
                          {.to_planes = true},
-                         {{25.0, 8, 15, 0.5, 5e-3}, {12.0, 4, 15, 0.1, 1e-3}, {6.0, 1, 30}});
+                         pcl_levels(/*is_tracked=*/false));
   }
 
  private:

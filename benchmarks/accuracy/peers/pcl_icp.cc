@@ -47,15 +47,9 @@ class PclIcp : public Method {
 
   void set_moving(const TriangleMesh& moving) override { moving_ = to_pcl(moving); }
 
-  Eigen::Isometry3d align(const Eigen::Isometry3d& fixed_from_moving_init) override {
-    return align_pcl_icp(*fixed_,
-                         *moving_,
-                         fixed_from_moving_init,
-                         rules_,
-                         {{50.0, 8, 15, 0.5, 5e-3},
-                          {25.0, 8, 15, 0.5, 5e-3},
-                          {12.0, 4, 15, 0.1, 1e-3},
-                          {6.0, 1, 30, 0.01, 1e-4}});
+  std::optional<Eigen::Isometry3d> align(const Eigen::Isometry3d& fixed_from_moving_init) override {
+    return align_pcl_icp(
+        *fixed_, *moving_, fixed_from_moving_init, rules_, pcl_levels(fixed_->starts_are_tracked));
   }
 
  private:
@@ -78,7 +72,7 @@ class PclTrimmedIcp : public Method {
     pcl::copyPointCloud(*to_pcl(moving), moving_);
   }
 
-  Eigen::Isometry3d align(const Eigen::Isometry3d& fixed_from_moving_init) override {
+  std::optional<Eigen::Isometry3d> align(const Eigen::Isometry3d& fixed_from_moving_init) override {
     constexpr double kKeptFraction = 0.7;
     Eigen::Matrix4f fixed_from_moving = fixed_from_moving_init.matrix().cast<float>();
     icp_.align(moving_,

@@ -22,11 +22,12 @@ using PclCovariances = std::vector<Eigen::Matrix3d, Eigen::aligned_allocator<Eig
 
 /// The fixed side, ready for every PCL method.
 struct PclFixed {
-  explicit PclFixed(const TriangleMesh& skin);
+  PclFixed(const TriangleMesh& skin, bool starts_are_tracked);
 
   PclCloud::Ptr cloud;
   PclTree::Ptr tree;
   pcl::shared_ptr<PclCovariances> covariances;  ///< That the normals imply.
+  bool starts_are_tracked = false;
 };
 
 /// One gate of a coarse-to-fine ICP.
@@ -37,6 +38,9 @@ struct PclLevel {
   double stop_mm = 0.01;  ///< Stop when a step shifts by less and turns by less than stop_rad.
   double stop_rad = 1e-4;
 };
+
+/// For a start up to 30 mm / 20 degrees off; a tracked one (5 mm / 2 degrees) skips the first two.
+[[nodiscard]] std::vector<PclLevel> pcl_levels(bool is_tracked);
 
 [[nodiscard]] PclCloud::Ptr to_pcl(const TriangleMesh& mesh);
 [[nodiscard]] PclCloud::Ptr every_nth_point(const PclCloud& cloud, std::size_t stride);

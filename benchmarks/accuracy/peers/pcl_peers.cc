@@ -10,12 +10,21 @@
 
 namespace mor::peers {
 
-PclFixed::PclFixed(const TriangleMesh& skin)
+PclFixed::PclFixed(const TriangleMesh& skin, bool are_tracked)
     : cloud(to_pcl(skin)),
       tree(pcl::make_shared<PclTree>()),
-      covariances(pcl::make_shared<PclCovariances>()) {
+      covariances(pcl::make_shared<PclCovariances>()),
+      starts_are_tracked(are_tracked) {
   tree->setInputCloud(cloud);
   pcl::features::computeApproximateCovariances(*cloud, *cloud, *covariances);
+}
+
+std::vector<PclLevel> pcl_levels(bool is_tracked) {
+  std::vector<PclLevel> levels;
+  if (!is_tracked) levels = {{50.0, 8, 15, 0.5, 5e-3}, {25.0, 8, 15, 0.5, 5e-3}};
+  levels.push_back({12.0, 4, 15, 0.1, 1e-3});
+  levels.push_back({6.0, 1, 30, 0.01, 1e-4});
+  return levels;
 }
 
 PclCloud::Ptr to_pcl(const TriangleMesh& mesh) {
@@ -52,7 +61,7 @@ int main(int argc, char** argv) {
     return 1;
   }
   pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
-  const auto fixed = std::make_shared<const PclFixed>(problems->fixed);
+  const auto fixed = std::make_shared<const PclFixed>(problems->fixed, problems->is_tracked);
   MethodMakers makers;
   add_pcl_icp(fixed, makers);
   add_pcl_distributions(fixed, makers);

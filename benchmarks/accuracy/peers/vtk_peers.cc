@@ -46,7 +46,7 @@ class VtkIcp : public Method {
 
   void set_moving(const TriangleMesh& moving) override { moving_ = &moving; }
 
-  Eigen::Isometry3d align(const Eigen::Isometry3d& fixed_from_moving_init) override {
+  std::optional<Eigen::Isometry3d> align(const Eigen::Isometry3d& fixed_from_moving_init) override {
     vtkNew<vtkIterativeClosestPointTransform> icp;
     const auto moving = to_vtk(*moving_, fixed_from_moving_init);
     icp->SetSource(moving);
