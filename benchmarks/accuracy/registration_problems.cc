@@ -60,14 +60,13 @@ class OwnMethod : public Method {
 class OwnAutomaticStart : public Method {
  public:
   OwnAutomaticStart(std::shared_ptr<const FixedSurface> fixed,
-                    const std::filesystem::path& recording,
-                    const BodySurfaceOptions& depth)
+                    const std::filesystem::path& recording)
       : recording_(value_or_throw(TumRecording::open(recording))),
         fixed_(std::move(fixed)),
         start_(value_or_throw(
             AutomaticStart::create(fixed_, recording_.calibration()->depth, {.num_threads = 1}))),
         extractor_(
-            value_or_throw(BodySurfaceExtractor::create(recording_.calibration()->depth, depth))),
+            value_or_throw(BodySurfaceExtractor::create(recording_.calibration()->depth, {}))),
         registration_(value_or_throw(make_fine_registration(fixed_, {}))) {}
 
   void set_frame(const ProblemFrame& frame) override {
@@ -113,8 +112,7 @@ int answer(const Arguments& arguments) {
     });
   }
   makers.emplace("automatic-start", [&] {
-    return std::make_unique<OwnAutomaticStart>(
-        body.skin, problems.recording, arguments.options.depth);
+    return std::make_unique<OwnAutomaticStart>(body.skin, problems.recording);
   });
   return answer_requests(problems, makers);
 }
@@ -144,7 +142,6 @@ int run(int argc, char** argv) {
     command->add_option("PROBLEMS", arguments.problems, "Their folder")->required();
     command->add_option("--case", arguments.folder, "Folder that `morgagni prepare` made")
         ->required();
-    command->add_option("--far-mm", arguments.options.depth.far_mm);
   }
   write->add_option("--recording", arguments.recording, "With groundtruth.txt and targets.csv")
       ->required();

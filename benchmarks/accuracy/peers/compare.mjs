@@ -25,6 +25,7 @@ const { values: options } = parseArgs({
     work: { type: 'string' }, // For recordings, problems and the report.
     data: { type: 'string' }, // Folder with synthetic_rgbd: its recordings are measured too.
     starts: { type: 'string', default: '20' }, // Most starts a frame.
+    frames: { type: 'string', default: '20' }, // Most frames a cell.
     only: { type: 'string', default: '' }, // Cells whose name has this regular expression.
     methods: { type: 'string', default: '' }, // Peers whose name has this one; ours always run.
     'self-test': { type: 'boolean', default: false }, // Only check the comparison itself.
@@ -45,9 +46,9 @@ async function runCell(cell) {
     problems: makeProblems(cell, setting),
     caseFolder: path.join(options.cases, cell.source.body),
     methods,
+    maxFrames: Number(options.frames),
     maxStarts: Number(options.starts),
     builds: setting.builds,
-    ownArgs: ['--far-mm', '2000'],
   });
   const results = Object.fromEntries(Object.entries(runs).map(([name, list]) => [name, judge(list)]));
   return { cell: cell.source.name, start: startLabel(cell), frames, results, runs };

@@ -13,30 +13,34 @@ import { quantile, summarize, targetRegistrationErrorMm } from './statistics.mjs
 export const SUCCESS_MM = 10;
 export const WRONG_MM = 15;
 
-function startPrograms(methods, problems, caseFolder, builds, ownArgs) {
+function startPrograms(methods, problems, caseFolder, builds) {
   const programs = new Map();
   for (const { program } of methods) {
     if (programs.has(program)) continue;
     programs.set(program, program === 'morgagni'
-      ? new Program(path.join(builds.own, 'benchmarks/registration_problems'), ['answer', problems, '--case', caseFolder, ...ownArgs])
+      ? new Program(path.join(builds.own, 'benchmarks/registration_problems'), ['answer', problems, '--case', caseFolder])
       : new Program(path.join(builds.peers, program), [problems]));
   }
   return programs;
 }
 
 // { frames, runs: { method: [{ frame, start, tre_mm, cpu_ms, wall_ms }] } }; tre_mm is null where a
-// method said that it found nothing. `maxStarts` cuts all methods.
-export async function compare({ problems, caseFolder, methods, maxStarts = Infinity, builds, ownArgs = [] }) {
-  const { frames, targets } = JSON.parse(readFileSync(path.join(problems, 'problems.json'), 'utf8'));
-  const programs = startPrograms(methods, problems, caseFolder, builds, ownArgs);
+// method said that it found nothing.
+export async function compare({
+  problems, caseFolder, methods, maxFrames = Infinity, maxStarts = Infinity, builds,
+}) {
+  const set = JSON.parse(readFileSync(path.join(problems, 'problems.json'), 'utf8'));
+  const frames = set.frames.slice(0, maxFrames);
+  const programs = startPrograms(methods, problems, caseFolder, builds);
   const runs = Object.fromEntries(methods.map(({ name }) => [name, []]));
   try {
     for (const [index, frame] of frames.entries()) {
-      for (const { name, program, starts } of methods) {
+      for (const { name, program, starts, frames: mostFrames = Infinity } of methods) {
+        if (index >= mostFrames) continue;
         const num_runs = Math.min(starts, maxStarts, frame.runs.length);
         const answers = await programs.get(program).register(name, index, num_runs);
         for (const [start, { pose, cpu_ms, wall_ms }] of answers.entries()) {
-          const tre_mm = pose && targetRegistrationErrorMm(pose, frame.truth, targets);
+          const tre_mm = pose && targetRegistrationErrorMm(pose, frame.truth, set.targets);
           runs[name].push({ frame: index, start, tre_mm, cpu_ms, wall_ms });
         }
       }

@@ -51,7 +51,7 @@ Eigen::Matrix4f match_by_sac_ia(const Features& moving, const Features& fixed) {
   sac.setMinSampleDistance(4.0F * kVoxelMm);
   sac.setCorrespondenceRandomness(5);
   sac.setMaxCorrespondenceDistance(2.5 * kVoxelMm);
-  sac.setMaximumIterations(2000);
+  sac.setMaximumIterations(1000);
   PclCloud moved;
   sac.align(moved);
   return sac.getFinalTransformation();
