@@ -33,6 +33,7 @@ done
 expect 0 "morgagni evaluate recording" evaluate recording --help
 expect 0 "morgagni evaluate bound" evaluate bound --help
 expect 0 "morgagni evaluate starts" evaluate starts --help
+expect 0 "morgagni evaluate studies" evaluate studies --help
 expect 2 "subcommand is required"
 expect 2 "subcommand is required" evaluate
 expect 2 "--case" prepare ct.nii
@@ -55,6 +56,8 @@ expect 1 "no such case folder" evaluate starts --case "$scratch/missing"
 expect 2 "--gate" serve --case "$scratch/missing" --gate guess
 expect 2 "--start" serve --case "$scratch/missing" --start magic
 expect 1 "no such case folder" evaluate bound --case "$scratch/missing"
+expect 1 "no such case folder" evaluate studies --case "$scratch/missing" --out "$scratch/s"
+expect 2 "--poses" evaluate studies --case "$scratch/missing" --out "$scratch/s" --poses 0
 expect 1 "no such case folder" record --case "$scratch/missing" --out "$scratch/r"
 [ ! -e "$scratch/case" ] || { echo "FAILED: a refused preparation left its folder"; failures=$((failures + 1)); }
 

@@ -12,5 +12,6 @@ namespace mor {
 void add_evaluate_bound_command(CLI::App& evaluate_app);
 void add_evaluate_recording_command(CLI::App& evaluate_app);
 void add_evaluate_starts_command(CLI::App& evaluate_app);
+void add_evaluate_studies_command(CLI::App& evaluate_app);
 
 }  // namespace mor
