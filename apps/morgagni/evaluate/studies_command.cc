@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
@@ -30,6 +31,7 @@ struct Arguments {
   fs::path folder;
   fs::path out;
   fs::path data;
+  std::vector<fs::path> more_folders;
   bool no_opencl = false;
   bool quick = false;
   StudiesOptions options;
@@ -77,7 +79,11 @@ void evaluate(Arguments& arguments) {
   }
   const auto body = value_or_exit(load_case(arguments.folder));
   value_or_exit(check_out(arguments.out));
-  const auto report = value_or_exit(run_studies(body, arguments.data, options, console_progress()));
+  RecordedData data{arguments.data, {}};
+  for (const auto& folder : arguments.more_folders) {
+    data.bodies.push_back(value_or_exit(load_case(folder)));
+  }
+  const auto report = value_or_exit(run_studies(body, data, options, console_progress()));
   value_or_exit(write_report(arguments.out, report));
   fmt::print("{}\n", (arguments.out / "studies.md").string());
 }
@@ -120,6 +126,8 @@ void add_evaluate_studies_command(CLI::App& evaluate_app) {
       ->required();
   command->add_option(
       "--data", arguments->data, "Folder with recordings: those named *_real are evaluated too");
+  command->add_option(
+      "--more-cases", arguments->more_folders, "Further cases whose bodies those recordings show");
   command->add_option("--seed", options.seed, "Of poses, noise, clutter, markers and tagging")
       ->capture_default_str();
   command->add_option("--poses", options.num_poses, "Of tables 1 to 3; the paper's: 5")
@@ -136,8 +144,9 @@ void add_evaluate_studies_command(CLI::App& evaluate_app) {
   command->footer(
       "Examples:\n"
       "  morgagni evaluate studies --case cases/chest --out studies\n"
-      "  morgagni evaluate studies --case cases/chest --data ../shared/data/synthetic_rgbd --out "
-      "studies\n"
+      "  morgagni evaluate studies --case cases/chest --data ../shared/data/synthetic_rgbd "
+      "--more-cases cases/head\n"
+      "      --out studies\n"
       "  morgagni evaluate studies --case cases/chest --quick --no-opencl --out trial");
   command->callback([arguments] { evaluate(*arguments); });
 }

@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 constexpr int kPhantomMarkers = 10;
 constexpr int kPostMortemMarkers = 22;
 constexpr int kInternalTargets = 16;
+constexpr int kStartsPerRecordedFrame = 4;
 /// What the paper recommends, and what the live path uses.
 constexpr double kLiveDownSampling = 2.5;
 
@@ -211,64 +212,81 @@ std::vector<StudyMethod> live_methods() {
           {RegistrationMethod::kField, "cpu", kLiveDownSampling}};
 }
 
-/// One recording by every live method. None where the recording is of another body.
-Result<bool> add_recording(const fs::path& folder,
+Result<AlignedTruth> truth_on(const Case& body, const fs::path& recording) {
+  MOR_TRY(auto poses, read_ground_truth(recording / "groundtruth.txt"));
+  MOR_TRY(auto targets, read_targets(recording / "targets.csv"));
+  return align_truth_to_case(std::move(poses),
+                             std::move(targets),
+                             TruthFrame::kAuto,
+                             body.skin->field,
+                             body.ct_center_mm,
+                             body.ct_half_voxel_mm);
+}
+
+/// One recording by every live method.
+Result<void> add_recording(const fs::path& folder,
                            const Case& body,
+                           const AlignedTruth& truth,
                            const StudiesOptions& options,
                            StudiesReport& report) {
   MOR_TRY(const auto recording, TumRecording::open(folder));
-  MOR_TRY(auto poses, read_ground_truth(folder / "groundtruth.txt"));
-  MOR_TRY(auto targets, read_targets(folder / "targets.csv"));
-  const auto truth = align_truth_to_case(std::move(poses),
-                                         std::move(targets),
-                                         TruthFrame::kAuto,
-                                         body.skin->field,
-                                         body.ct_center_mm,
-                                         body.ct_half_voxel_mm);
-  if (!truth) {
-    report.notes.push_back(
-        fmt::format("{}: {}", folder.filename().string(), truth.error().message));
-    return false;
-  }
   for (const auto& method : live_methods()) {
     EvaluationOptions evaluation;
     evaluation.registration.method = method.method;
     evaluation.registration.device = method.device;
     evaluation.depth.down_sampling = method.down_sampling;
-    evaluation.num_starts = 4;
+    evaluation.num_starts = kStartsPerRecordedFrame;
     evaluation.seed = options.seed;
     evaluation.success_mm = options.success_mm;
     const auto silent = [](std::string_view, double) {};
     MOR_TRY(
         const auto result,
-        evaluate_recording(recording, body.skin, truth->poses, truth->targets, evaluation, silent));
+        evaluate_recording(recording, body.skin, truth.poses, truth.targets, evaluation, silent));
     report.recorded.push_back({folder.filename().string(),
                                method,
                                result.success_rate,
                                result.tre_mm,
                                result.tre_success_mm});
   }
-  return true;
+  return {};
 }
 
-Result<void> add_recordings(const fs::path& folder,
-                            const Case& body,
+/// By the first of the bodies on whose skin the recording's targets lie.
+Result<void> add_recording_of(const fs::path& folder,
+                              const std::vector<const Case*>& bodies,
+                              const StudiesOptions& options,
+                              StudiesReport& report) {
+  std::string reason;
+  for (const Case* body : bodies) {
+    const auto truth = truth_on(*body, folder);
+    if (truth) return add_recording(folder, *body, *truth, options, report);
+    if (truth.error().code != ErrorCode::kInvalidArgument) return tl::unexpected(truth.error());
+    reason = truth.error().message;
+  }
+  report.notes.push_back(fmt::format("{}: {}", folder.filename().string(), reason));
+  return {};
+}
+
+Result<void> add_recordings(const Case& studied,
+                            const RecordedData& data,
                             const StudiesOptions& options,
                             const Progress& progress,
                             StudiesReport& report) {
+  std::vector<const Case*> bodies = {&studied};
+  for (const auto& body : data.bodies) bodies.push_back(&body);
   std::error_code status;
   std::vector<fs::path> found;
-  for (const auto& entry : fs::directory_iterator(folder, status)) {
+  for (const auto& entry : fs::directory_iterator(data.folder, status)) {
     if (entry.path().filename().string().ends_with("_real")) found.push_back(entry.path());
   }
   if (status) {
-    return make_error(ErrorCode::kIo, fmt::format("{}: {}", folder.string(), status.message()));
+    return make_error(ErrorCode::kIo,
+                      fmt::format("{}: {}", data.folder.string(), status.message()));
   }
   std::sort(found.begin(), found.end());
   for (std::size_t i = 0; i < found.size(); ++i) {
     progress("recordings", static_cast<double>(i) / static_cast<double>(found.size()));
-    MOR_TRY([[maybe_unused]] const bool is_this_body,
-            add_recording(found[i], body, options, report));
+    MOR_CHECK(add_recording_of(found[i], bodies, options, report));
   }
   progress("recordings", 1.0);
   return {};
@@ -305,7 +323,7 @@ Result<void> StudiesOptions::check() const {
 }
 
 Result<StudiesReport> run_studies(const Case& body,
-                                  const fs::path& recordings,
+                                  const RecordedData& data,
                                   const StudiesOptions& options,
                                   const Progress& progress) {
   MOR_CHECK(options.check());
@@ -347,8 +365,8 @@ Result<StudiesReport> run_studies(const Case& body,
           studies.study({"many poses, clutter", all, kPostMortemMarkers, many}, live_methods()));
   MOR_TRY(report.biased,
           studies.study({"biased sensor", biased, kPostMortemMarkers, many}, live_methods()));
-  if (!recordings.empty()) {
-    MOR_CHECK(add_recordings(recordings, body, options, progress, report));
+  if (!data.folder.empty()) {
+    MOR_CHECK(add_recordings(body, data, options, progress, report));
   }
   return report;
 }

@@ -90,12 +90,17 @@ struct StudiesReport {
   std::vector<std::string> notes;  ///< What was left out, and why.
 };
 
+/// Other people's recordings, and the bodies that they may show.
+struct RecordedData {
+  std::filesystem::path folder;  ///< Those named `*_real` in it are run; empty: none.
+  std::vector<Case> bodies;      ///< Besides the one under study.
+};
+
 /// Runs them all.
-/// @param recordings  Folder whose `*_real` recordings are run too; empty: none. Those of another
-///        body than the case's are left out with a note.
+/// @param data  Recordings of none of the bodies are left out with a note.
 /// @errors kInvalidArgument: bad options, a body on which no pose shows five markers; kIo.
 [[nodiscard]] Result<StudiesReport> run_studies(const Case& body,
-                                                const std::filesystem::path& recordings,
+                                                const RecordedData& data,
                                                 const StudiesOptions& options,
                                                 const Progress& progress);
 

@@ -177,7 +177,7 @@ std::string recorded_table(const StudiesReport& report) {
                         100.0 * row.success_rate,
                         mean_and_sd(row.tre_mm, 2),
                         row.tre_mm.median,
-                        mean_and_sd(row.tre_success_mm, 2));
+                        row.success_rate > 0.0 ? mean_and_sd(row.tre_success_mm, 2) : "-");
   }
   return text + "\n";
 }

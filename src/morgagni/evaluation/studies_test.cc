@@ -152,7 +152,7 @@ TEST(Studies, PlotsAreWholeSvg) {
   }
 }
 
-TEST(Studies, RefuseBadOptionsAndAMissingFolder) {
+TEST(Studies, RefuseBadOptions) {
   const auto error_of = [](const StudiesOptions& options) {
     const auto report = run_studies(bumpy_case(), {}, options, silent);
     return report ? "ran" : report.error().message;
