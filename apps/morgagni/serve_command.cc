@@ -111,6 +111,12 @@ void add_serve_command(CLI::App& app) {
       ->transform(CLI::CheckedTransformer(kGates))
       ->default_str("evidence");
   command
+      ->add_option("--sensor-bias-mm",
+                   loop.tracking.sensor_bias_mm,
+                   "Systematic error of the camera's depth where it is known, root mean square: "
+                   "widens the error bound")
+      ->capture_default_str();
+  command
       ->add_option("--alpha",
                    loop.tracking.residual_ratio,
                    "--gate residual: frames with a residual above alpha times that of the start "

@@ -31,22 +31,23 @@ struct Arguments {
 struct Shown {
   const char* name;
   const char* camera;
-  bool has_bias = false;
+  double bias_mm = 0.0;
 };
 constexpr Shown kShown[] = {
     {"", "path=views"},
     {" + clutter", "path=views,clutter=all"},
     {", on a path", "path=orbit"},
-    {", bias 1 mm", "path=views,bias=1", true},
-    {", bias 3 mm", "path=views,bias=3", true},
+    {" + clutter, on a path", "path=orbit,clutter=all"},
+    {", bias 1 mm", "path=views,bias=1", 1.0},
+    {", bias 3 mm", "path=views,bias=3", 3.0},
 };
 
 void evaluate(const Arguments& arguments) {
   std::vector<BoundGroup> groups;
   for (const auto& folder : arguments.folders) {
     const auto body = value_or_exit(load_case(folder));
-    for (const auto& [name, camera, has_bias] : kShown) {
-      groups.push_back({body.name + name, body.skin, camera, has_bias});
+    for (const auto& [name, camera, bias_mm] : kShown) {
+      groups.push_back({body.name + name, body.skin, camera, bias_mm});
     }
   }
   const auto runs = value_or_exit(run_bound_study(groups, arguments.options, console_progress()));

@@ -138,7 +138,7 @@ struct Unevenness {
 Unevenness unevenness(const BoundRuns& runs, const BoundCalibration& calibration) {
   std::vector<double> logs;
   for (std::size_t group = 0; group < runs.groups.size(); ++group) {
-    if (runs.groups[group].has_bias) continue;
+    if (runs.groups[group].bias_mm > 0.0) continue;
     const auto in_group = ratios(runs, calibration, [&](const BoundSample& sample) {
       return sample.group == group && is_good(sample);
     });
@@ -205,7 +205,7 @@ BoundCalibration fit_bound_calibration(const BoundRuns& runs) {
     }
   }
   const auto all = ratios(runs, best, [&](const BoundSample& sample) {
-    return is_good(sample) && !runs.groups[sample.group].has_bias;
+    return is_good(sample) && runs.groups[sample.group].bias_mm == 0.0;
   });
   return scaled(best, quantile(all, kShare));
 }

@@ -20,8 +20,8 @@ namespace mor {
 struct BoundGroup {
   std::string name;  ///< "head", "torso + clutter", ...
   std::shared_ptr<const FixedSurface> body;
-  std::string camera;     ///< As after `simulated:`; seed and speed are set by the run.
-  bool has_bias = false;  ///< Shown apart: the calibration knows no bias.
+  std::string camera;    ///< As after `simulated:`; seed and speed are set by the run.
+  double bias_mm = 0.0;  ///< That the camera has. Shown apart, told to the bound and not told.
 };
 
 struct BoundStudyOptions {

@@ -23,7 +23,7 @@ using testing::HasSubstr;
 BoundRuns drawn(int num_frames) {
   constexpr double kCorrelated = 8.0;
   BoundRuns runs;
-  runs.groups = {{"near", nullptr, "", false}, {"far", nullptr, "", false}};
+  runs.groups = {{"near", nullptr, "", 0.0}, {"far", nullptr, "", 0.0}};
   runs.num_frames = {num_frames, num_frames};
   runs.num_not_found = {0, 0};
   std::mt19937_64 random(3);
@@ -72,10 +72,13 @@ TEST(BoundCalibration, CountsWhatIsWithinTheBound) {
   EXPECT_EQ(lines[0].coverage, 1.0);
   lines = bound_coverage(runs, {.correlated_readings = 1e-6});
   EXPECT_LT(lines[0].coverage, 0.05);
-  runs.groups[1].has_bias = true;
+  runs.groups[1].bias_mm = 2.0;
   runs.samples[0].state = TrackingState::kUncertain;
   lines = bound_coverage(runs, {.correlated_readings = 8.0});
   EXPECT_EQ(lines[0].num_frames, 49) << "neither a biased nor an uncertain frame";
+  EXPECT_EQ(lines[2].name, "far");
+  EXPECT_EQ(lines[3].name, "far, told to the bound");
+  EXPECT_GT(lines[3].median_bound_mm, lines[2].median_bound_mm);
   EXPECT_EQ(lines.back().name, "uncertain frames");
   EXPECT_EQ(lines.back().num_frames, 1);
 }
@@ -95,15 +98,15 @@ TEST(BoundCalibration, WritesWhatItMeasured) {
 TEST(BoundStudy, SaysWhatIsWrong) {
   const auto body = internal::bumpy_surface(40);
   const auto quiet = [](std::string_view, double) {};
-  EXPECT_THAT(run_bound_study({{"", body, "", false}}, {.num_seeds = 0}, quiet).error().message,
+  EXPECT_THAT(run_bound_study({{"", body, "", 0.0}}, {.num_seeds = 0}, quiet).error().message,
               HasSubstr("at least 1"));
-  EXPECT_THAT(run_bound_study({{"", body, "path=circle", false}}, {}, quiet).error().message,
+  EXPECT_THAT(run_bound_study({{"", body, "path=circle", 0.0}}, {}, quiet).error().message,
               HasSubstr("circle"));
 }
 
 /// The calibration as built in, on a body and seeds that it was not fitted on.
 TEST(BoundStudy, TheBoundHoldsOnABodyItWasNotFittedOn) {
-  const auto runs = run_bound_study({{"bumpy", internal::bumpy_surface(), "path=sway", false}},
+  const auto runs = run_bound_study({{"bumpy", internal::bumpy_surface(), "path=sway", 0.0}},
                                     {.first_seed = 2000, .num_seeds = 40, .num_frames = 1},
                                     [](std::string_view, double) {});
   ASSERT_TRUE(runs) << runs.error().message;

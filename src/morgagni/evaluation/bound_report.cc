@@ -63,7 +63,7 @@ std::vector<BoundCoverage> bound_coverage(const BoundRuns& runs,
     return sample.state == TrackingState::kTracking;
   };
   const auto counts = [&](const BoundSample& sample) {
-    return is_good(sample) && !runs.groups[sample.group].has_bias;
+    return is_good(sample) && runs.groups[sample.group].bias_mm == 0.0;
   };
   std::vector<BoundCoverage> lines;
   const auto add = [&](std::string name, const Keeps& keeps) {
@@ -71,9 +71,18 @@ std::vector<BoundCoverage> bound_coverage(const BoundRuns& runs,
     if (made.num_targets > 0) lines.push_back(std::move(made));
   };
   add("all without bias", [&](const auto& sample, const auto&) { return counts(sample); });
-  for (std::size_t group = 0; group < runs.groups.size(); ++group) {
-    add(runs.groups[group].name,
-        [&](const auto& sample, const auto&) { return sample.group == group && is_good(sample); });
+  for (std::size_t i = 0; i < runs.groups.size(); ++i) {
+    const auto& group = runs.groups[i];
+    const Keeps in_group = [&](const auto& sample, const auto&) {
+      return sample.group == i && is_good(sample);
+    };
+    add(group.name, in_group);
+    if (group.bias_mm == 0.0) continue;
+    auto told = line(runs,
+                     with_sensor_bias(calibration, group.bias_mm),
+                     group.name + ", told to the bound",
+                     in_group);
+    if (told.num_targets > 0) lines.push_back(std::move(told));
   }
   constexpr std::array<std::pair<double, double>, 3> kBands = {
       {{0.0, 650.0}, {650.0, 850.0}, {850.0, 1e9}}};
@@ -92,7 +101,7 @@ std::vector<BoundCoverage> bound_coverage(const BoundRuns& runs,
     });
   }
   add("uncertain frames", [&](const auto& sample, const auto&) {
-    return !is_good(sample) && !runs.groups[sample.group].has_bias;
+    return !is_good(sample) && runs.groups[sample.group].bias_mm == 0.0;
   });
   return lines;
 }

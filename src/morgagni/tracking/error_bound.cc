@@ -35,6 +35,13 @@ BoundCalibration default_bound_calibration() {
   return {.correlated_readings = 1.17, .systematic_mm = 0.005, .floor_mm = 0.0};
 }
 
+BoundCalibration with_sensor_bias(const BoundCalibration& calibration, double sensor_bias_mm) {
+  constexpr double kSharedByAll = 0.09;
+  BoundCalibration result = calibration;
+  result.systematic_mm = std::hypot(calibration.systematic_mm, kSharedByAll * sensor_bias_mm);
+  return result;
+}
+
 std::optional<PoseCovariance> pose_covariance(const PoseInformation& information,
                                               const BoundCalibration& calibration) {
   // Scaled so that rotations and shifts are of one size: lengths at the lever.

@@ -67,6 +67,16 @@ TEST(PoseCovariance, ASystematicErrorDoesNotAverageOut) {
   EXPECT_LT(error_bound_mm(*with_many, point), error_bound_mm(*with_few, point));
 }
 
+TEST(PoseCovariance, AToldBiasWidensTheBoundInProportion) {
+  const auto data = information(1e4 * lopsided());
+  const auto bound_mm = [&](double bias_mm) {
+    return error_bound_mm(*pose_covariance(data, with_sensor_bias(kPlain, bias_mm)),
+                          {60.0, 0.0, 0.0});
+  };
+  EXPECT_NEAR(bound_mm(4.0) / bound_mm(2.0), 2.0, 0.1);
+  EXPECT_EQ(with_sensor_bias(kPlain, 0.0).systematic_mm, kPlain.systematic_mm);
+}
+
 TEST(PoseCovariance, IsNoneWhereADirectionIsOpen) {
   Matrix6d matrix = Matrix6d::Identity() * 1e4;
   matrix(4, 4) = 0.0;

@@ -61,6 +61,9 @@ Result<void> TrackingOptions::check() const {
                       fmt::format("{} must be {}, got {}", name, range, value));
   };
   MOR_CHECK(limits.check());
+  if (!(sensor_bias_mm >= 0.0 && sensor_bias_mm <= 50.0)) {
+    return refuse("sensor_bias_mm", "in [0, 50]", sensor_bias_mm);
+  }
   if (!(residual_ratio > 1.0)) return refuse("residual_ratio", "above 1", residual_ratio);
   if (lost_after.count() <= 0) {
     return refuse("lost_after", "above 0 ms", static_cast<double>(lost_after.count()));
@@ -215,6 +218,12 @@ Result<Tracker::Attempt> Tracker::attempt(const Scene& scene,
   made.surface_relief_mm = scene.relief_mm;
   made.expected = expected;
   made.judgement = judged(made);
+  // A bias is no doubt of a frame; it only makes each pose less exact.
+  if (made.covariance && options_.sensor_bias_mm > 0.0) {
+    made.covariance =
+        pose_covariance(*made.result.information,
+                        with_sensor_bias(default_bound_calibration(), options_.sensor_bias_mm));
+  }
   judgement_ms_ += ms_since(judgement_started);
   return made;
 }

@@ -34,6 +34,9 @@ enum class TrackingState : std::uint8_t {
 struct TrackingOptions {
   TrackingGate gate = TrackingGate::kEvidence;
   JudgementLimits limits;
+  /// Systematic error of the sensor's depth where it is known, root mean square: widens the error
+  /// bound. 0..50.
+  double sensor_bias_mm = 0.0;
   double residual_ratio = 1.5;  ///< kResidual: e(t) must stay below alpha * e_valid (paper). > 1.
   std::chrono::milliseconds lost_after{500};  ///< Without a usable frame. > 0.
   double start_max_rms_mm = 6.0;              ///< A start with a larger residual is no start. > 0.

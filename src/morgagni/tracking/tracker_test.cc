@@ -349,6 +349,9 @@ TEST(TrackingOptions, NameTheValueAndTheLimit) {
   options.residual_ratio = 1.0;
   EXPECT_THAT(options.check().error().message, HasSubstr("residual_ratio must be above 1, got 1"));
   options = {};
+  options.sensor_bias_mm = -1.0;
+  EXPECT_FALSE(options.check());
+  options = {};
   options.lost_after = milliseconds(0);
   EXPECT_FALSE(options.check());
   options = {};
