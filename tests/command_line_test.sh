@@ -27,9 +27,13 @@ expect() {
 expect 0 "Example, from a CT to a live picture" --help
 expect 0 "Not a medical device" --help
 expect 0 "morgagni 0." --version
-for command in prepare serve record evaluate; do
+for command in prepare serve record evaluate doctor; do
   expect 0 "morgagni $command" "$command" --help
 done
+expect 0 "OpenCL (--device of the icp methods)" doctor
+expect 0 '"opencl_devices": [' doctor --json
+OCL_ICD_VENDORS="$scratch/none" expect 0 "there is no OpenCL device: install a driver" doctor
+OCL_ICD_VENDORS="$scratch/none" expect 0 '"opencl_devices": []' doctor --json
 expect 0 "morgagni evaluate recording" evaluate recording --help
 expect 0 "morgagni evaluate bound" evaluate bound --help
 expect 0 "morgagni evaluate starts" evaluate starts --help

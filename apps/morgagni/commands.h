@@ -14,5 +14,6 @@ void add_prepare_command(CLI::App& app);
 void add_serve_command(CLI::App& app);
 void add_record_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
+void add_doctor_command(CLI::App& app);
 
 }  // namespace mor

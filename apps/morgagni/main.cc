@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   mor::add_serve_command(app);
   mor::add_record_command(app);
   mor::add_evaluate_command(app);
+  mor::add_doctor_command(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::RuntimeError& error) {

@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
+
+#include "morgagni/compute/compute_device.h"
+#include "morgagni/core/version.h"
+#include "morgagni/render/overlay_renderer.h"
+
+#include "commands.h"
+
+namespace mor {
+namespace {
+
+/// What this machine offers to the program.
+struct Findings {
+  std::vector<ComputeDevice> opencl_devices;
+  std::string opencl_advice;  ///< Where there is no device.
+  Result<std::string> opengl_device;
+};
+
+Result<std::string> find_opengl_device() {
+  MOR_TRY(const auto renderer, OverlayRenderer::create({}, TriangleMesh{}));
+  return renderer->device();
+}
+
+Findings look_around() {
+  Findings findings{list_compute_devices(), {}, find_opengl_device()};
+  if (const auto chosen = choose_compute_device(findings.opencl_devices, "opencl"); !chosen) {
+    findings.opencl_advice = chosen.error().message;
+  }
+  return findings;
+}
+
+std::string to_text(const Findings& findings) {
+  std::string text = fmt::format("morgagni {}\n\nOpenCL (--device of the icp methods)\n", kVersion);
+  for (const auto& device : findings.opencl_devices) {
+    text += fmt::format("  {}\n    {}, {} units, {:.1f} GiB{}; driver {}\n",
+                        device.name,
+                        to_string(device.type),
+                        device.num_units,
+                        static_cast<double>(device.memory_bytes) / (1U << 30U),
+                        device.has_double ? "" : ", no double precision",
+                        device.platform);
+  }
+  if (!findings.opencl_advice.empty()) text += fmt::format("  {}\n", findings.opencl_advice);
+  text += fmt::format(
+      "\nOpenGL (the live picture)\n  {}\n",
+      findings.opengl_device ? *findings.opengl_device : findings.opengl_device.error().message);
+  return text;
+}
+
+std::string to_json(const Findings& findings) {
+  auto devices = nlohmann::ordered_json::array();
+  for (const auto& device : findings.opencl_devices) {
+    devices.push_back({{"name", device.name},
+                       {"driver", device.platform},
+                       {"type", to_string(device.type)},
+                       {"units", device.num_units},
+                       {"memory_bytes", device.memory_bytes},
+                       {"double_precision", device.has_double}});
+  }
+  const auto& opengl = findings.opengl_device;
+  const nlohmann::ordered_json json = {
+      {"version", kVersion},
+      {"opencl_devices", devices},
+      {"opengl_device", opengl ? nlohmann::ordered_json(*opengl) : nlohmann::ordered_json()}};
+  return json.dump(2) + "\n";
+}
+
+}  // namespace
+
+void add_doctor_command(CLI::App& app) {
+  auto as_json = std::make_shared<bool>(false);
+  auto* command = app.add_subcommand(
+      "doctor", "List what this machine offers: OpenCL devices, the OpenGL renderer");
+  command->add_flag("--json", *as_json, "As JSON");
+  command->footer(
+      "Examples:\n"
+      "  morgagni doctor\n"
+      "  morgagni serve --case cases/0815 --method trimmed-icp --device opencl\n"
+      "  morgagni serve --case cases/0815 --method trimmed-icp --device geforce");
+  command->callback([as_json] {
+    const Findings findings = look_around();
+    fmt::print("{}", *as_json ? to_json(findings) : to_text(findings));
+  });
+}
+
+}  // namespace mor
