@@ -53,7 +53,7 @@ struct SliceView {
 struct VolumeView {
   VolumePreset preset = VolumePreset::kNone;
   float level_hu = 0.0F;   ///< The preset's colours lie around this,
-  float window_hu = 0.0F;  ///< as wide as this. > 0. volume_window() has the preset's own.
+  float window_hu = 1.0F;  ///< as wide as this. > 0. volume_window() has the preset's own.
 };
 
 /// How the body is to be seen. What is shown in the hole are layers: structures, a slice, the
