@@ -203,7 +203,7 @@ void compose_hole(const HoleMask& mask,
       const unsigned lit = 255U - share(share(255U - background, body), open);
       const unsigned over_share = share(structure, open);
       const unsigned behind = share(lit, 255U - share(drawn[x].a, over_share));
-      const auto blend = [&, r = share(ring, open)](unsigned under, unsigned over) {
+      const auto blend = [&, r = share(share(ring, body), open)](unsigned under, unsigned over) {
         const unsigned seen = std::min(255U, share(under, behind) + share(over, over_share));
         return static_cast<std::uint8_t>(seen + share(255U - seen, r));
       };
