@@ -98,7 +98,7 @@ TEST_F(PrepareTest, WritesAllOptionsAndTheIdentityOfTheCt) {
   EXPECT_EQ(json["options"]["bone"]["threshold_hu"], 250.0);
   EXPECT_EQ(json["ct"]["source"], "egg.mha");
   EXPECT_EQ(json["ct"]["voxels_sha256"].get<std::string>().size(), 64U);
-  EXPECT_EQ(json["files"].size(), 4U);
+  EXPECT_EQ(json["files"].size(), 5U);
 }
 
 TEST_F(PrepareTest, ReplacesACaseButNoOtherFolder) {
