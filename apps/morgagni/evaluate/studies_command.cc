@@ -12,6 +12,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/casefile/case.h"
+#include "morgagni/compute/compute_device.h"
 #include "morgagni/core/files.h"
 #include "morgagni/core/pending_folder.h"
 #include "morgagni/core/progress.h"
@@ -37,7 +38,7 @@ struct Arguments {
   StudiesOptions options;
 };
 
-/// The processor's name as the kernel has it, and how many of it.
+/// The processor's name as the kernel has it and how many of it; the OpenCL device used.
 std::string this_machine() {
   std::ifstream info("/proc/cpuinfo");
   std::string name = "an unknown processor";
@@ -46,7 +47,12 @@ std::string this_machine() {
     name = line.substr(std::min(line.find(": ") + 2, line.size()));
     break;
   }
-  return fmt::format("{} x {}", std::thread::hardware_concurrency(), name);
+  std::string machine = fmt::format("{} x {}", std::thread::hardware_concurrency(), name);
+  const auto devices = list_compute_devices();
+  if (!devices.empty()) {
+    machine += fmt::format(", OpenCL on {} ({})", devices.front().name, devices.front().platform);
+  }
+  return machine;
 }
 
 /// An older report there is replaced in one step; anything else is not touched.

@@ -11,6 +11,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/camera/tum_recording.h"
+#include "morgagni/compute/compute_device.h"
 #include "morgagni/depth/body_surface.h"
 #include "morgagni/evaluation/recording_evaluation.h"
 #include "morgagni/evaluation/target_sampling.h"
@@ -111,6 +112,12 @@ class Studies {
   /// A device that is not there leaves an empty column and its reason.
   [[nodiscard]] Result<void> add_column(Prepared& prepared, const StudyMethod& method) const {
     StudyColumn column{method, {}, {}};
+    // Without any device registration would take the CPU instead: that is not what was asked.
+    if (method.device != "cpu" && list_compute_devices().empty()) {
+      column.not_run = "there is no OpenCL device";
+      prepared.study.columns.push_back(std::move(column));
+      return {};
+    }
     RegistrationOptions registration_options;
     registration_options.method = method.method;
     registration_options.device = method.device;
@@ -341,9 +348,15 @@ Result<StudiesReport> run_studies(const Case& body,
   biased.focal_error_percent = options.focal_error_percent;
   const double first = options.down_samplings.front();
   const auto phantom_methods = with_devices(
-      {Method::kIcp, Method::kTrimmedIcp}, first, kLiveDownSampling, options.runs_opencl);
+      {Method::kIcp, Method::kTrimmedIcp, Method::kAnisotropicIcp, Method::kTrimmedAnisotropicIcp},
+      first,
+      kLiveDownSampling,
+      options.runs_opencl);
   const auto post_mortem_methods =
-      with_devices({Method::kTrimmedIcp}, first, kLiveDownSampling, options.runs_opencl);
+      with_devices({Method::kTrimmedIcp, Method::kTrimmedAnisotropicIcp},
+                   first,
+                   kLiveDownSampling,
+                   options.runs_opencl);
   const int few = options.num_poses;
   const int many = options.num_many_poses;
   StudiesReport report;

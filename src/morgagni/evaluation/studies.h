@@ -56,6 +56,13 @@ struct StudyColumn {
   StudyMethod method;
   std::vector<StudyRun> runs;  ///< One a pose.
   std::string not_run;         ///< Why there are none, else empty.
+
+  /// Whether it ran and is none of the anisotropic ones, of which the paper printed nothing: those
+  /// stand in the summaries only.
+  [[nodiscard]] bool is_shown_by_pose() const {
+    return !runs.empty() && method.method != RegistrationMethod::kAnisotropicIcp &&
+           method.method != RegistrationMethod::kTrimmedAnisotropicIcp;
+  }
 };
 
 struct Study {

@@ -92,7 +92,7 @@ std::string pose_table(const Study& study, const std::vector<PrintedColumn>& pri
   std::string head = "| pose | FRE |";
   std::string line = "|---|---|";
   for (const auto& column : study.columns) {
-    if (column.runs.empty()) continue;
+    if (!column.is_shown_by_pose()) continue;
     head += fmt::format(" {} TRE | ms |", label_of(column.method));
     line += "---|---|";
   }
@@ -105,7 +105,7 @@ std::string pose_table(const Study& study, const std::vector<PrintedColumn>& pri
   for (std::size_t i = 0; i < num_poses; ++i) {
     text += fmt::format("| {} | {:.1f} |", i + 1, study.columns.back().runs[i].fre_mm);
     for (const auto& column : study.columns) {
-      if (column.runs.empty()) continue;
+      if (!column.is_shown_by_pose()) continue;
       text += fmt::format(
           " {:.1f} | {:.1f} |", column.runs[i].tagged_tre_mm, column.runs[i].registration_ms);
     }
@@ -204,7 +204,7 @@ std::string introduction(const StudiesReport& report, const std::string& machine
       "places are used by any registration. Seed {}.\n\n"
       "Every method gets the same poses and starts, and the surface cut out of the picture where "
       "the start expects the body. ICP: 200 iterations, threshold 1e-5, overlap 90 %, as the "
-      "paper. Times: one registration, {}.\n\n",
+      "paper. Times: one registration, {}; CPU: of the calling thread alone.\n\n",
       report.case_name,
       options.tagging.marker_px,
       options.tagging.marker_ct_mm,

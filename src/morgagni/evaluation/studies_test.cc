@@ -90,7 +90,7 @@ TEST(StudyPoses, TaggingErrorsShowInFreAndStart) {
 
 TEST(Studies, MeasureEveryMethodOnTheSamePoses) {
   const auto& report = short_report();
-  ASSERT_EQ(report.phantom.columns.size(), 3U);
+  ASSERT_EQ(report.phantom.columns.size(), 5U);
   ASSERT_EQ(report.down_sampled.size(), 2U);
   for (const auto& column : report.phantom.columns) {
     EXPECT_EQ(column.not_run, "");

@@ -103,7 +103,7 @@ void draw_strips(Svg& svg,
 std::vector<Strip> strips_of(const Study& study) {
   std::vector<Strip> strips;
   for (const auto& column : study.columns) {
-    if (column.runs.empty()) continue;
+    if (!column.is_shown_by_pose()) continue;
     strips.push_back({label_of(column.method),
                       color_of(column.method.method),
                       column.method.device == "cpu",
