@@ -60,7 +60,7 @@ Result<AutomaticStart> AutomaticStart::create(std::shared_ptr<const FixedSurface
                       "an automatic start needs the CT's skin with normals and its distance field: "
                       "prepare the case");
   }
-  MOR_TRY(auto finder, internal::StartFinder::create(std::move(fixed), depth_camera, options));
+  internal::StartFinder finder(std::move(fixed), depth_camera, options);
   return AutomaticStart(
       std::unique_ptr<const Impl>(new Impl{depth_camera, options.num_threads, std::move(finder)}));
 }

@@ -39,17 +39,27 @@ std::shared_ptr<const FixedSurface> lopsided_surface() {
   return surface;
 }
 
-/// The body with a table of 1.4 x 1.8 m below, y down.
+/// The body with a table of 1.4 x 1.8 m below, y down. In small pieces: the raster drops triangles
+/// that reach behind the camera.
 TriangleMesh on_table(TriangleMesh body) {
+  constexpr int kPieces = 12;
   const Eigen::AlignedBox3f bounds = body.bounds();
   const Eigen::Vector3f center = bounds.center();
   const auto first = static_cast<std::uint32_t>(body.vertices.size());
-  for (const auto& [x, z] :
-       {std::pair{-700.0F, -900.0F}, {700.0F, -900.0F}, {700.0F, 900.0F}, {-700.0F, 900.0F}}) {
-    body.vertices.emplace_back(center.x() + x, bounds.max().y(), center.z() + z);
+  for (int row = 0; row <= kPieces; ++row) {
+    for (int column = 0; column <= kPieces; ++column) {
+      const float x = 1400.0F * (static_cast<float>(column) / kPieces - 0.5F);
+      const float z = 1800.0F * (static_cast<float>(row) / kPieces - 0.5F);
+      body.vertices.emplace_back(center.x() + x, bounds.max().y(), center.z() + z);
+    }
   }
-  body.triangles.push_back({first, first + 1, first + 2});
-  body.triangles.push_back({first, first + 2, first + 3});
+  for (std::uint32_t row = 0; row < kPieces; ++row) {
+    for (std::uint32_t column = 0; column < kPieces; ++column) {
+      const std::uint32_t corner = first + row * (kPieces + 1) + column;
+      body.triangles.push_back({corner, corner + 1, corner + kPieces + 1});
+      body.triangles.push_back({corner + 1, corner + kPieces + 2, corner + kPieces + 1});
+    }
+  }
   return body;
 }
 
@@ -116,6 +126,101 @@ TEST_F(AutomaticStartOfTestBody, IsRightFromManySides) {
         << "view " << i;
     EXPECT_LT(rotation_angle_rad(result->ct_from_depth * truth.inverse()), 0.05) << "view " << i;
   }
+}
+
+/// What the starter says of `scene` from three sides; the last status that is not `expected` fails.
+void expect_from_all_sides(const AutomaticStart& start,
+                           const TriangleMesh& scene,
+                           const Eigen::Vector3d& target,
+                           const testing::Matcher<AutomaticStartStatus>& expected) {
+  for (int i = 0; i < 3; ++i) {
+    const auto camera = looking_at(target, 0.4 + 2.0 * i, 0.15 + 0.4 * i, 1.9 * i, 700.0);
+    const auto result = start.find(picture_of(scene, camera).view());
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_THAT(result->status, expected) << "view " << i << ", scores " << result->score << " and "
+                                          << result->runner_up_score << ": " << result->reason;
+    EXPECT_EQ(result->reason.empty(), result->status == AutomaticStartStatus::kFound);
+  }
+}
+
+TEST_F(AutomaticStartOfTestBody, RefusesTheMirroredBody) {
+  TriangleMesh mirrored = body_->mesh;
+  const auto twice_center = 2.0F * body_->mesh.bounds().center().x();
+  for (auto& vertex : mirrored.vertices) vertex.x() = twice_center - vertex.x();
+  expect_from_all_sides(
+      starter(), on_table(mirrored), center(), testing::Ne(AutomaticStartStatus::kFound));
+}
+
+TEST_F(AutomaticStartOfTestBody, RefusesAnotherBody) {
+  TriangleMesh other = body_->mesh;
+  for (auto& vertex : other.vertices) {
+    vertex = center().cast<float>() +
+             Eigen::Vector3f(1.3F, 0.8F, 0.7F).cwiseProduct(vertex - center().cast<float>());
+  }
+  expect_from_all_sides(
+      starter(), on_table(other), center(), testing::Ne(AutomaticStartStatus::kFound));
+}
+
+TEST_F(AutomaticStartOfTestBody, RefusesAnEmptyTableAndAWall) {
+  TriangleMesh table = on_table(body_->mesh);
+  const auto num_body = static_cast<std::ptrdiff_t>(body_->mesh.triangles.size());
+  table.triangles.erase(table.triangles.begin(), table.triangles.begin() + num_body);
+  expect_from_all_sides(starter(), table, center(), AutomaticStartStatus::kNotFound);
+  const Picture wall(kCamera.width_px, kCamera.height_px, 900);
+  const auto result = starter().find(wall.view());
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, AutomaticStartStatus::kNotFound);
+}
+
+TEST_F(AutomaticStartOfTestBody, IsRightBelowASlabThatHidesAThird) {
+  TriangleMesh scene = on_table(body_->mesh);
+  const Eigen::Vector3f above = center().cast<float>() - Eigen::Vector3f(0.0F, 180.0F, 0.0F);
+  const auto first = static_cast<std::uint32_t>(scene.vertices.size());
+  for (const auto& [x, z] :
+       {std::pair{-400.0F, 40.0F}, {400.0F, 40.0F}, {400.0F, 120.0F}, {-400.0F, 120.0F}}) {
+    scene.vertices.push_back(above + Eigen::Vector3f(x, 0.0F, z));
+  }
+  scene.triangles.push_back({first, first + 1, first + 2});
+  scene.triangles.push_back({first, first + 2, first + 3});
+  const auto truth = looking_at(center(), 0.9, 0.3, 2.0, 800.0);
+  const auto result = starter().find(picture_of(scene, truth).view());
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, AutomaticStartStatus::kFound) << result->reason;
+  EXPECT_LT(displacement_mm(result->ct_from_depth, truth, truth.inverse() * center()), 3.0);
+}
+
+TEST_F(AutomaticStartOfTestBody, TakesNoPlaneForATableThatGravityForbids) {
+  const auto truth = looking_at(center(), 0.7, 0.6, 1.0, 800.0);
+  const Picture picture = picture_of(on_table(body_->mesh), truth);
+  const Eigen::Vector3d down = truth.linear().transpose() * Eigen::Vector3d::UnitY();
+  const auto level = starter({.gravity = 9.81 * down}).find(picture.view());
+  ASSERT_TRUE(level);
+  EXPECT_EQ(level->status, AutomaticStartStatus::kFound) << level->reason;
+  const auto sideways = starter({.gravity = down.unitOrthogonal()}).find(picture.view());
+  ASSERT_TRUE(sideways);
+  EXPECT_NE(sideways->status, AutomaticStartStatus::kFound);
+}
+
+TEST(AutomaticStart, FindsASphereAmbiguous) {
+  auto ball = std::make_shared<FixedSurface>();
+  ball->mesh = internal::bumpy_body(60, Eigen::Vector3f::Zero());
+  for (auto& vertex : ball->mesh.vertices) vertex = 110.0F * vertex.normalized();
+  ball->mesh.normals = vertex_normals(ball->mesh);
+  ball->field = *DistanceField::build(ball->mesh);
+  const auto start = AutomaticStart::create(ball, kCamera, {});
+  ASSERT_TRUE(start) << start.error().message;
+  expect_from_all_sides(
+      *start, on_table(ball->mesh), Eigen::Vector3d::Zero(), AutomaticStartStatus::kAmbiguous);
+}
+
+TEST(AutomaticStart, RefusesPicturesTooSmallToTell) {
+  const auto surface = internal::bumpy_surface(40);
+  const PinholeCamera tiny{4, 3, 3.0, 3.0, 1.5, 1.0, {}};
+  const auto start = AutomaticStart::create(surface, tiny, {});
+  ASSERT_TRUE(start) << start.error().message;
+  const auto result = start->find(Picture(4, 3, 700).view());
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_EQ(result->status, AutomaticStartStatus::kNotFound);
 }
 
 TEST_F(AutomaticStartOfTestBody, RefusesAnEmptyPicture) {

@@ -16,7 +16,6 @@
 #include "morgagni/core/statistics.h"
 #include "morgagni/session/depth_pick.h"
 #include "morgagni/session/frame_rate.h"
-#include "morgagni/session/scene_view.h"
 #include "morgagni/session/start_search.h"
 
 namespace mor {
@@ -37,6 +36,12 @@ double ms_between(Clock::time_point start, Clock::time_point end) {
   return std::chrono::duration<double, std::milli>(end - start).count();
 }
 
+std::vector<RenderedStructure> rendered(const Case& body) {
+  std::vector<RenderedStructure> structures;
+  for (const auto& [name, color, mesh] : body.structures) structures.push_back({name, mesh, color});
+  return structures;
+}
+
 class Loop final : public LiveLoop {
  public:
   Loop(std::shared_ptr<const Case> body,
@@ -51,7 +56,7 @@ class Loop final : public LiveLoop {
         search_([automatic = std::move(automatic)](const RgbdFrame& frame, std::stop_token stop) {
           return automatic->find(frame.depth_mm.view(), stop);
         }) {
-    view_ = first_view(*body_);
+    for (const auto& structure : body_->structures) view_.structures[structure.name] = true;
   }
 
   Result<void> run(Show show) override {
@@ -323,7 +328,7 @@ class Loop final : public LiveLoop {
   }
 
   void render(std::stop_token stop, const Show& show, std::promise<Result<void>>& ready) {
-    auto renderer = OverlayRenderer::create(scene_of(*body_));
+    auto renderer = OverlayRenderer::create(rendered(*body_), body_->skin->mesh);
     if (!renderer) {
       ready.set_value(tl::unexpected<Error>(renderer.error()));
       return;
@@ -361,9 +366,7 @@ class Loop final : public LiveLoop {
             bool is_still,
             const Show& show) {
     const auto started = Clock::now();
-    const auto picture = renderer.render(
-        shown.frame->color.view(),
-        overlay_view(*shown.frame, shown.ct_from_depth, shown.ct_from_ghost, view, is_still));
+    const auto picture = renderer.render(shown.frame->color.view(), overlay_view(shown, view));
     if (!picture) {
       log::error("the picture cannot be drawn: {}", picture.error().message);
       return;
@@ -377,6 +380,22 @@ class Loop final : public LiveLoop {
     const std::lock_guard lock(mutex_);
     render_ms_.add(ms_between(started, Clock::now()));
     if (!is_still) shown_rate_.count(Clock::now());
+  }
+
+  OverlayView overlay_view(const TrackedFrame& shown, const ViewSettings& view) const {
+    const auto& [depth_camera, color_camera, color_from_depth] = *shown.frame->calibration;
+    OverlayView overlay;
+    overlay.color_camera = color_camera;
+    overlay.opacity = view.opacity;
+    overlay.hole = view.hole;
+    if (shown.ct_from_depth)
+      overlay.color_from_ct = color_from_depth * shown.ct_from_depth->inverse();
+    if (shown.ct_from_ghost)
+      overlay.color_from_ghost = color_from_depth * shown.ct_from_ghost->inverse();
+    for (const auto& structure : body_->structures) {
+      if (!view.structures.at(structure.name)) overlay.hidden.insert(structure.name);
+    }
+    return overlay;
   }
 
   void keep_snapshot(ImageView<const Rgba8> picture) {

@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "morgagni/geometry/volume.h"
+#include "morgagni/ct/volume.h"
 
 namespace mor::internal {
 

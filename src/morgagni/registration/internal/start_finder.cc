@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -12,30 +13,43 @@
 #include <tbb/parallel_for.h>
 
 #include "morgagni/geometry/rigid.h"
+#include "morgagni/registration/internal/sensor_points.h"
+#include "morgagni/registration/internal/start_refinement.h"
 
 namespace mor::internal {
 namespace {
 
-constexpr std::size_t kMaxSearched = 160;  ///< Candidates of one search that are glanced at.
-constexpr std::size_t kMaxRefined = 24;    ///< Of those, refined.
-constexpr std::size_t kMaxVerified = 6;    ///< Of those, refined fully and looked at.
+constexpr std::size_t kMaxSearched = 100;  ///< Candidates of one search that are glanced at.
+constexpr std::size_t kMaxRefined = 20;    ///< Of those, refined.
+constexpr std::size_t kMaxVerified = 6;    ///< Of those, looked at pixel by pixel.
+constexpr StartVolumeOptions kCoarseVolume{.nodes_along_body = 48.0F, .reach_nodes = 2.5F};
+constexpr StartVolumeOptions kFineVolume{.nodes_along_body = 96.0F, .reach_nodes = 2.5F};
 constexpr double kSameShare = 0.08;  ///< Of the extent: poses that put the body this near are one.
 constexpr double kFloatingCost = 2.0;
-constexpr double kHiddenCost = 0.3;
-constexpr float kLookToleranceMm = 2.0F;
-constexpr double kLeastScore = 0.6;
-constexpr double kLeastExplained = 0.3;
+constexpr double kHiddenCost = 0.02;
+constexpr double kOpenShare = 0.6;
+constexpr float kLookToleranceMm = 1.0F;
+constexpr double kNearbyShift = 0.04;  ///< Of the extent.
+constexpr double kNearbyTurnRad = 0.1;
+constexpr double kLeastAgree = 100.0;     ///< Pixels.
+constexpr double kLeastShare = 0.12;      ///< Of the skin in view, measured where it should be.
+constexpr double kLeastOpenShare = 0.88;  ///< Of that not hidden;
+constexpr double kLeastOpenShareAlone = 0.84;  ///< where no other pose comes near.
+constexpr double kMostFloating = 0.03;
+constexpr double kMostFloatingAlone = 0.05;
+constexpr double kAlone = 0.3;         ///< No other pose has more than this share of the evidence.
 constexpr double kClearlyWorse = 0.8;  ///< The runner-up's share of the best one's evidence.
+/// A finding so good that other planes need no look.
+constexpr double kSettledShare = 0.7;
+constexpr double kSettledRunnerUp = 0.6;
 constexpr std::size_t kLeastPoints = 60;
 
-/// What speaks for a pose less what speaks against it, in pixels.
+/// What speaks for a pose less what speaks against it, in parts of the skin. At the right pose the
+/// skin that nothing hides agrees to the noise, on average by kOpenShare and more; another surface
+/// like a towel may run near more of the skin, but not as close.
 double evidence(const SkinAgreement& agreement) {
-  return agreement.num_agree - kFloatingCost * agreement.num_floating -
-         kHiddenCost * agreement.num_hidden;
-}
-
-double worth(const SkinAgreement& agreement) {
-  return agreement.num_seen > 0.0 ? evidence(agreement) / agreement.num_seen : -1.0;
+  return agreement.num_agree - kOpenShare * (agreement.num_seen - agreement.num_hidden) -
+         kFloatingCost * agreement.num_floating - kHiddenCost * agreement.num_hidden;
 }
 
 /// How far two poses put the body apart: the largest distance of the corners of its bounds.
@@ -74,32 +88,139 @@ void keep_best(std::vector<T>& items,
   items = std::move(kept);
 }
 
+/// How much of the best finding's evidence the next one has, 0..1.
+double runner_up_share(const std::vector<StartFinding>& findings) {
+  if (findings.size() < 2 || !(findings[0].score > 0.0)) return 0.0;
+  return std::max(0.0, findings[1].score / findings[0].score);
+}
+
+bool settles(const std::vector<StartFinding>& findings) {
+  return !findings.empty() &&
+         findings[0].agreement.num_agree > kSettledShare * findings[0].agreement.num_seen &&
+         findings[0].agreement.num_agree > 3.0 * kLeastAgree &&
+         runner_up_share(findings) < kSettledRunnerUp;
+}
+
 }  // namespace
 
 StartFinder::StartFinder(std::shared_ptr<const FixedSurface> fixed,
                          const PinholeCamera& depth_camera,
-                         const AutomaticStartOptions& options,
-                         std::unique_ptr<FineRegistration> registration)
+                         const AutomaticStartOptions& options)
     : options_(options),
       maker_(depth_camera),
+      fixed_(fixed),
       extent_mm_(fixed->mesh.bounds().sizes().maxCoeff()),
-      registration_(std::move(registration)),
       verifier_(fixed, extent_mm_),
       bounds_(fixed->mesh.bounds().cast<double>()) {
-  for (const BodySide side : options.lying_on) volumes_.push_back(make_start_volume(*fixed, side));
-}
-
-Result<StartFinder> StartFinder::create(std::shared_ptr<const FixedSurface> fixed,
-                                        const PinholeCamera& depth_camera,
-                                        const AutomaticStartOptions& options) {
-  MOR_TRY(auto registration, make_fine_registration(fixed, {}));
-  return StartFinder(std::move(fixed), depth_camera, options, std::move(registration));
+  for (const BodySide side : options.lying_on) {
+    const bool is_on_side = side == BodySide::kLeft || side == BodySide::kRight;
+    height_mm_ = std::max(height_mm_, static_cast<float>(bounds_.sizes()[is_on_side ? 0 : 1]));
+    lyings_.push_back({make_start_volume(*fixed, side, kCoarseVolume),
+                       make_start_volume(*fixed, side, kFineVolume)});
+  }
 }
 
 std::vector<StartPlane> StartFinder::planes_of(const StartPicture& picture) const {
   std::optional<Eigen::Vector3f> up;
   if (options_.gravity) up = -options_.gravity->normalized().cast<float>();
   return find_planes(picture, up);
+}
+
+/// Places and turns on the plane, polished, best first.
+std::vector<StartFinding> StartFinder::search(const StartPicture& picture,
+                                              const StartScene& scene,
+                                              const Lying& lying) const {
+  const auto candidates = search_on_plane(scene, lying.coarse, kMaxSearched);
+  const Eigen::Isometry3d ct_from_lying = lying.coarse.lying_from_ct.inverse();
+  std::vector<StartFinding> findings(candidates.size());
+  tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
+    const auto polished =
+        polish_on_plane(scene, lying.fine, candidates[i], lying.coarse.spacing_mm);
+    findings[i].ct_from_depth =
+        ct_from_lying * polished.lying_from_table() * scene.table_from_depth;
+    findings[i].on_plane = findings[i].ct_from_depth;
+    findings[i].agreement =
+        verifier_.glance(picture, findings[i].ct_from_depth, 2.0F * lying.fine.spacing_mm);
+    findings[i].score = polished.score + findings[i].agreement.num_agree -
+                        kFloatingCost * findings[i].agreement.num_floating;
+  });
+  keep_best(findings, kMaxRefined, lying.fine.spacing_mm, bounds_);
+  return findings;
+}
+
+/// Brings the findings to where bare skin fits, and counts what speaks for them there.
+void StartFinder::refine(const StartPicture& picture,
+                         const StartScene& scene,
+                         std::vector<StartFinding>& findings,
+                         const std::stop_token& stop) const {
+  tbb::parallel_for(std::size_t{0}, findings.size(), [&](std::size_t i) {
+    if (stop.stop_requested()) return;
+    Eigen::Isometry3d& pose = findings[i].ct_from_depth;
+    const auto distance_mm = static_cast<float>((pose.inverse() * bounds_.center()).z());
+    const float noise_mm = axial_noise_mm(distance_mm);
+    const Eigen::Vector3d up_ct = pose.linear() * scene.plane.normal.cast<double>();
+    pose = refine_on_plane(fixed_->field,
+                           scene.full,
+                           pose,
+                           {up_ct, 0.5, 0.003},
+                           {3.0F * noise_mm + 2.0F, 4.0F * noise_mm + 3.0F, true, 6});
+    pose = refine_on_plane(fixed_->field,
+                           scene.full,
+                           pose,
+                           {up_ct, 3.0, 0.02},
+                           {2.0F * noise_mm + 1.0F, 3.0F * noise_mm + 2.0F, true, 8});
+    findings[i].agreement = verifier_.glance(picture, pose, kLookToleranceMm + 2.0F * noise_mm);
+    findings[i].score = evidence(findings[i].agreement);
+  });
+}
+
+/// Looks at the findings pixel by pixel, and sorts them.
+void StartFinder::verify(const StartPicture& picture,
+                         std::vector<StartFinding>& findings,
+                         const std::stop_token& stop) const {
+  tbb::parallel_for(std::size_t{0}, findings.size(), [&](std::size_t i) {
+    if (stop.stop_requested()) return;
+    findings[i].agreement = verifier_.look(picture, findings[i].ct_from_depth, kLookToleranceMm);
+    findings[i].score = evidence(findings[i].agreement);
+  });
+  keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
+}
+
+/// Refines the best finding from places around it as well: a towel beside bare skin makes a second
+/// dip near the right one.
+void StartFinder::search_nearby(const StartPicture& picture,
+                                const StartScene& scene,
+                                StartFinding& best,
+                                const std::stop_token& stop) const {
+  const Eigen::Vector3d up = best.ct_from_depth.linear() * scene.plane.normal.cast<double>();
+  const Eigen::Vector3d along = up.unitOrthogonal();
+  const Eigen::Vector3d across = up.cross(along);
+  const double shift_mm = kNearbyShift * extent_mm_;
+  std::vector<StartFinding> nearby;
+  for (const double turn_rad : {0.0, -kNearbyTurnRad, kNearbyTurnRad}) {
+    for (int direction = 0; direction < 7; ++direction) {
+      if (direction == 0 && turn_rad == 0.0) continue;
+      const double angle_rad = direction * std::numbers::pi / 3.0;
+      const Eigen::Vector3d shift =
+          direction == 0 ? Eigen::Vector3d(Eigen::Vector3d::Zero())
+                         : Eigen::Vector3d(shift_mm * (std::cos(angle_rad) * along +
+                                                       std::sin(angle_rad) * across));
+      StartFinding moved = best;
+      // Held at the height that the plane gives, not at what a towel made of it.
+      moved.ct_from_depth = Eigen::Translation3d(bounds_.center() + shift) *
+                            Eigen::AngleAxisd(turn_rad, up) *
+                            Eigen::Translation3d(-bounds_.center()) * best.on_plane;
+      nearby.push_back(moved);
+    }
+  }
+  refine(picture, scene, nearby, stop);
+  keep_best(nearby, kMaxVerified, 0.0, bounds_);
+  for (auto& finding : nearby) {
+    if (stop.stop_requested()) return;
+    finding.agreement = verifier_.look(picture, finding.ct_from_depth, kLookToleranceMm);
+    finding.score = evidence(finding.agreement);
+    if (finding.score > best.score) best = finding;
+  }
 }
 
 Result<std::vector<StartFinding>> StartFinder::find_on(const StartPicture& picture,
@@ -109,54 +230,23 @@ Result<std::vector<StartFinding>> StartFinder::find_on(const StartPicture& pictu
     return make_error(ErrorCode::kCancelled, "the automatic start was cancelled");
   };
   std::vector<StartFinding> findings;
-  for (const auto& volume : volumes_) {
+  if (stop.stop_requested()) return cancelled();
+  const StartScene scene = make_scene(picture, plane, height_mm_, extent_mm_);
+  if (scene.full.size() < kLeastPoints) return findings;
+  for (const auto& lying : lyings_) {
+    auto found = search(picture, scene, lying);
     if (stop.stop_requested()) return cancelled();
-    const float height_mm =
-        static_cast<float>((volume.lying_from_ct.linear() * bounds_.sizes()).cwiseAbs().z());
-    const StartScene scene = make_scene(picture, plane, height_mm, extent_mm_);
-    if (scene.full.size() < kLeastPoints) continue;
-    auto candidates = search_on_plane(scene, volume, kMaxSearched);
-    std::vector<StartFinding> found(candidates.size());
-    const float glance_mm = 4.0F * volume.spacing_mm;
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-      found[i].ct_from_depth = candidates[i].ct_from_depth;
-      found[i].search_score = candidates[i].score;
-      found[i].glance_score = worth(verifier_.glance(picture, found[i].ct_from_depth, glance_mm));
-      found[i].score = found[i].search_score + 0.5 * found[i].glance_score;
-    }
-    keep_best(found, kMaxRefined, 0.0, bounds_);
-    std::vector<std::uint8_t> failed(found.size(), 0);
-    tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
-      if (stop.stop_requested()) return;
-      const auto fit =
-          registration_->align(scene.rough, found[i].ct_from_depth, StartQuality::kRough);
-      if (!fit) {
-        failed[i] = 1;
-        return;
-      }
-      found[i].ct_from_depth = fit->fixed_from_moving;
-      found[i].fit = *fit;
-      found[i].glance_score =
-          worth(verifier_.glance(picture, found[i].ct_from_depth, 2.0F * volume.spacing_mm));
-      found[i].score = fit->explained_fraction + 0.5 * found[i].glance_score;
-    });
-    if (stop.stop_requested()) return cancelled();
+    refine(picture, scene, found, stop);
     keep_best(found, kMaxVerified, kSameShare * extent_mm_, bounds_);
-    tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
-      if (stop.stop_requested()) return;
-      const auto fit =
-          registration_->align(scene.full, found[i].ct_from_depth, StartQuality::kTracked);
-      if (fit) {
-        found[i].ct_from_depth = fit->fixed_from_moving;
-        found[i].fit = *fit;
-      }
-      found[i].agreement = verifier_.look(picture, found[i].ct_from_depth, kLookToleranceMm);
-      found[i].score = evidence(found[i].agreement);
-    });
-    if (stop.stop_requested()) return cancelled();
     findings.insert(findings.end(), found.begin(), found.end());
+    if (stop.stop_requested()) return cancelled();
   }
-  keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
+  verify(picture, findings, stop);
+  if (!findings.empty() && findings[0].score > 0.0) {
+    search_nearby(picture, scene, findings[0], stop);
+    keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
+  }
+  if (stop.stop_requested()) return cancelled();
   return findings;
 }
 
@@ -166,40 +256,48 @@ AutomaticStartResult StartFinder::decide(const std::vector<StartFinding>& findin
     result.reason = "nothing that could be a body stands on a plane of the picture";
     return result;
   }
-  const StartFinding& best = findings[0];
-  result.ct_from_depth = best.ct_from_depth;
-  result.score = worth(best.agreement);
-  if (findings.size() > 1 && best.score > 0.0) {
-    result.runner_up_score = result.score * std::max(0.0, findings[1].score) / best.score;
-  }
-  if (result.score < kLeastScore || best.fit.explained_fraction < kLeastExplained) {
+  const SkinAgreement& best = findings[0].agreement;
+  const double num_open = best.num_seen - best.num_hidden;
+  result.ct_from_depth = findings[0].ct_from_depth;
+  result.score = num_open > 0.0 ? best.num_agree / num_open : 0.0;
+  result.runner_up_score = result.score * runner_up_share(findings);
+  const bool is_alone = runner_up_share(findings) < kAlone;
+  if (best.num_agree < kLeastAgree || best.num_agree < kLeastShare * best.num_seen ||
+      best.num_agree < (is_alone ? kLeastOpenShareAlone : kLeastOpenShare) * num_open ||
+      best.num_floating > (is_alone ? kMostFloatingAlone : kMostFloating) * best.num_agree) {
     result.reason = fmt::format(
-        "no pose explains the picture: at the best {:.0f} % of the skin is where it should be seen "
-        "and {:.0f} % of what is seen is skin",
-        100.0 * std::max(0.0, result.score),
-        100.0 * best.fit.explained_fraction);
-  } else if (result.runner_up_score > kClearlyWorse * result.score) {
+        "no pose explains the picture: at the best {:.0f} % of the skin is seen where it should "
+        "be, "
+        "{:.0f} % is hidden, and through {:.0f} % the camera looks",
+        100.0 * best.num_agree / std::max(1.0, best.num_seen),
+        100.0 * best.num_hidden / std::max(1.0, best.num_seen),
+        100.0 * best.num_floating / std::max(1.0, best.num_seen));
+  } else if (runner_up_share(findings) > kClearlyWorse) {
     result.status = AutomaticStartStatus::kAmbiguous;
-    result.reason = fmt::format(
-        "two poses explain the picture about equally well (scores {:.2f} and {:.2f}): show more of "
-        "the body",
-        result.score,
-        result.runner_up_score);
+    result.reason =
+        fmt::format("another pose explains the picture {:.0f} % as well: show more of the body",
+                    100.0 * runner_up_share(findings));
   } else {
     result.status = AutomaticStartStatus::kFound;
   }
   return result;
 }
 
-Result<AutomaticStartResult> StartFinder::find(ImageView<const std::uint16_t> depth_mm,
-                                               const std::stop_token& stop) const {
-  const StartPicture picture = picture_of(depth_mm);
+Result<std::vector<StartFinding>> StartFinder::find_all(const StartPicture& picture,
+                                                        const std::stop_token& stop) const {
   std::vector<StartFinding> findings;
   for (const auto& plane : planes_of(picture)) {
-    MOR_TRY(auto found, find_on(picture, plane, stop));
+    MOR_TRY(const auto found, find_on(picture, plane, stop));
     findings.insert(findings.end(), found.begin(), found.end());
+    keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
+    if (settles(findings)) break;
   }
-  keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
+  return findings;
+}
+
+Result<AutomaticStartResult> StartFinder::find(ImageView<const std::uint16_t> depth_mm,
+                                               const std::stop_token& stop) const {
+  MOR_TRY(const auto findings, find_all(picture_of(depth_mm), stop));
   return decide(findings);
 }
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "morgagni/registration/automatic_start.h"
-#include "morgagni/registration/fine_registration.h"
 #include "morgagni/registration/internal/start_picture.h"
 #include "morgagni/registration/internal/start_scene.h"
 #include "morgagni/registration/internal/start_search.h"
@@ -17,48 +16,64 @@
 
 namespace mor::internal {
 
-/// A refined pose with all that speaks for and against it.
+/// A pose with what speaks for and against it.
 struct StartFinding {
   Eigen::Isometry3d ct_from_depth = Eigen::Isometry3d::Identity();
-  double search_score = 0.0;
-  double glance_score = 0.0;
-  RegistrationResult fit;
+  Eigen::Isometry3d on_plane = Eigen::Isometry3d::Identity();  ///< Before refinement left it.
   SkinAgreement agreement;
-  double score = 0.0;
+  double score = 0.0;  ///< Larger is better; comparable among findings of one step.
 };
 
 /// The automatic start's steps, one after the other, on the caller's TBB arena.
 class StartFinder {
  public:
-  [[nodiscard]] static Result<StartFinder> create(std::shared_ptr<const FixedSurface> fixed,
-                                                  const PinholeCamera& depth_camera,
-                                                  const AutomaticStartOptions& options);
+  StartFinder(std::shared_ptr<const FixedSurface> fixed,
+              const PinholeCamera& depth_camera,
+              const AutomaticStartOptions& options);
 
   [[nodiscard]] Result<AutomaticStartResult> find(ImageView<const std::uint16_t> depth_mm,
                                                   const std::stop_token& stop) const;
 
-  /// The best poses on one plane of the picture, each verified, best first.
-  [[nodiscard]] Result<std::vector<StartFinding>> find_on(const StartPicture& picture,
-                                                          const StartPlane& plane,
-                                                          const std::stop_token& stop) const;
+  /// The best poses on all planes of the picture, each verified, best first.
+  [[nodiscard]] Result<std::vector<StartFinding>> find_all(const StartPicture& picture,
+                                                           const std::stop_token& stop) const;
+  [[nodiscard]] AutomaticStartResult decide(const std::vector<StartFinding>& findings) const;
   [[nodiscard]] StartPicture picture_of(ImageView<const std::uint16_t> depth_mm) const {
     return maker_.make(depth_mm, static_cast<float>(options_.max_distance_mm));
   }
   [[nodiscard]] std::vector<StartPlane> planes_of(const StartPicture& picture) const;
 
  private:
-  StartFinder(std::shared_ptr<const FixedSurface> fixed,
-              const PinholeCamera& depth_camera,
-              const AutomaticStartOptions& options,
-              std::unique_ptr<FineRegistration> registration);
+  /// The body's volumes for one side that it may lie on.
+  struct Lying {
+    StartVolume coarse;
+    StartVolume fine;
+  };
 
-  [[nodiscard]] AutomaticStartResult decide(const std::vector<StartFinding>& findings) const;
+  [[nodiscard]] Result<std::vector<StartFinding>> find_on(const StartPicture& picture,
+                                                          const StartPlane& plane,
+                                                          const std::stop_token& stop) const;
+  [[nodiscard]] std::vector<StartFinding> search(const StartPicture& picture,
+                                                 const StartScene& scene,
+                                                 const Lying& lying) const;
+  void refine(const StartPicture& picture,
+              const StartScene& scene,
+              std::vector<StartFinding>& findings,
+              const std::stop_token& stop) const;
+  void verify(const StartPicture& picture,
+              std::vector<StartFinding>& findings,
+              const std::stop_token& stop) const;
+  void search_nearby(const StartPicture& picture,
+                     const StartScene& scene,
+                     StartFinding& best,
+                     const std::stop_token& stop) const;
 
   AutomaticStartOptions options_;
   StartPictureMaker maker_;
-  std::vector<StartVolume> volumes_;
-  float extent_mm_;
-  std::unique_ptr<FineRegistration> registration_;
+  std::shared_ptr<const FixedSurface> fixed_;
+  std::vector<Lying> lyings_;
+  float extent_mm_;         ///< The body's largest side.
+  float height_mm_ = 0.0F;  ///< How high it may lie.
   StartVerifier verifier_;
   Eigen::AlignedBox3d bounds_;
 };

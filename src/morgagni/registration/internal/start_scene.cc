@@ -12,9 +12,9 @@
 namespace mor::internal {
 namespace {
 
-constexpr std::size_t kSearchPoints = 240;
-constexpr std::size_t kRoughPoints = 500;
-constexpr std::size_t kFullPoints = 2500;
+constexpr std::size_t kSearchPoints = 600;
+constexpr std::size_t kRoughPoints = 1500;
+constexpr std::size_t kFullPoints = 5000;
 constexpr float kLeastHeightMm = 6.0F;
 constexpr float kLeastHeightNoises = 2.0F;
 /// How much higher than the body a point may be: a table found too low, a cushion.
@@ -118,6 +118,7 @@ StartScene make_scene(const StartPicture& picture,
   scene.table_from_depth = table_from_depth(plane, middle);
   const Eigen::Isometry3f pose = scene.table_from_depth.cast<float>();
   for (const auto& [x, y] : few) scene.search_points.push_back(pose * picture.point(x, y));
+  for (const auto& [x, y] : full) scene.dense_points.push_back(pose * picture.point(x, y));
   return scene;
 }
 

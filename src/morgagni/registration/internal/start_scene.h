@@ -19,6 +19,7 @@ struct StartScene {
   /// z up from the plane, origin below the points' middle.
   Eigen::Isometry3d table_from_depth = Eigen::Isometry3d::Identity();
   std::vector<Eigen::Vector3f> search_points;  ///< Few, even over the surface, frame table.
+  std::vector<Eigen::Vector3f> dense_points;   ///< Thousands, frame table.
   PointCloud rough;                            ///< Some hundreds, frame depth, with normals.
   PointCloud full;                             ///< Some thousands.
 };

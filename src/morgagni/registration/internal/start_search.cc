@@ -30,6 +30,10 @@ struct Peak {
   int y = 0;
 };
 
+constexpr int kPolishYaws = 3;        ///< Finer turns to either side, up to half a yaw step.
+constexpr double kPolishSteps = 1.5;  ///< Shifts to either side, in nodes of the coarse volume.
+constexpr std::size_t kPolishPoints = 800;
+
 Eigen::Isometry3d turned(double yaw_rad) {
   return Eigen::Isometry3d(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()));
 }
@@ -123,6 +127,68 @@ bool is_shadowed(const Peak& peak, const std::vector<Peak>& better) {
   });
 }
 
+/// The scene's dense points, frame table, that are near the body where the candidate puts it.
+std::vector<Eigen::Vector3f> points_near(const StartScene& scene,
+                                         const StartVolume& volume,
+                                         const StartCandidate& candidate,
+                                         double margin_mm) {
+  const Eigen::Isometry3f pose = candidate.lying_from_table().cast<float>();
+  const auto margin = static_cast<float>(margin_mm);
+  Eigen::AlignedBox3f box(
+      volume.origin_mm - Eigen::Vector3f::Constant(margin),
+      volume.origin_mm +
+          volume.spacing_mm * Eigen::Vector3f(static_cast<float>(volume.size[0]),
+                                              static_cast<float>(volume.size[1]),
+                                              static_cast<float>(volume.size[2])) +
+          Eigen::Vector3f::Constant(margin));
+  std::vector<Eigen::Vector3f> near;
+  for (const auto& point : scene.dense_points) {
+    if (box.contains(pose * point)) near.push_back(point);
+  }
+  if (near.size() <= kPolishPoints) return near;
+  std::vector<Eigen::Vector3f> some;
+  for (std::size_t i = 0; i < kPolishPoints; ++i)
+    some.push_back(near[i * near.size() / kPolishPoints]);
+  return some;
+}
+
+/// The shift that turns the candidate to `yaw_rad` about the middle of the body.
+Eigen::Vector2d shift_about_body(const StartVolume& volume,
+                                 const StartCandidate& candidate,
+                                 double yaw_rad) {
+  const Eigen::Vector2d middle = volume.origin_mm.head<2>().cast<double>() +
+                                 0.5 * static_cast<double>(volume.spacing_mm) *
+                                     Eigen::Vector2d(volume.size[0], volume.size[1]);
+  const Eigen::Rotation2Dd turn(yaw_rad - candidate.yaw_rad);
+  return middle + turn * (candidate.shift_mm - middle);
+}
+
+/// Adds each point's worth at all shifts of up to `reach` nodes.
+void add_windows(const std::vector<Eigen::Vector3f>& points,
+                 const StartVolume& volume,
+                 const StartCandidate& candidate,
+                 int reach,
+                 std::vector<int>& sums) {
+  const Eigen::Isometry3f pose = candidate.lying_from_table().cast<float>();
+  const int side = 2 * reach + 1;
+  for (const auto& point : points) {
+    const Eigen::Vector3f grid = (pose * point - volume.origin_mm) / volume.spacing_mm;
+    const int x = static_cast<int>(std::lround(grid.x()));
+    const int y = static_cast<int>(std::lround(grid.y()));
+    const int z = static_cast<int>(std::lround(grid.z()));
+    if (z < 0 || z >= volume.size[2]) continue;
+    const int first_x = std::max(-reach, -x);
+    const int last_x = std::min(reach, volume.size[0] - 1 - x);
+    const int first_y = std::max(-reach, -y);
+    const int last_y = std::min(reach, volume.size[1] - 1 - y);
+    for (int v = first_y; v <= last_y; ++v) {
+      const std::int8_t* worth = volume.row(y + v, z) + x;
+      int* sum = sums.data() + (v + reach) * side + reach;
+      for (int u = first_x; u <= last_x; ++u) sum[u] += worth[u];
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<StartCandidate> search_on_plane(const StartScene& scene,
@@ -143,18 +209,43 @@ std::vector<StartCandidate> search_on_plane(const StartScene& scene,
     if (best.size() == max_candidates) break;
     if (!is_shadowed(peak, best)) best.push_back(peak);
   }
-  const Eigen::Isometry3d ct_from_lying = volume.lying_from_ct.inverse();
   const double most = StartVolume::kMostWorth * static_cast<double>(scene.search_points.size());
   std::vector<StartCandidate> candidates;
   for (const auto& peak : best) {
-    const Eigen::Translation3d shift(peak.x * static_cast<double>(volume.spacing_mm),
-                                     peak.y * static_cast<double>(volume.spacing_mm),
-                                     0.0);
-    candidates.push_back(
-        {ct_from_lying * shift * turned(peak.yaw * kYawStepRad) * scene.table_from_depth,
-         peak.score / most});
+    candidates.push_back({peak.yaw * kYawStepRad,
+                          static_cast<double>(volume.spacing_mm) * Eigen::Vector2d(peak.x, peak.y),
+                          peak.score / most});
   }
   return candidates;
+}
+
+StartCandidate polish_on_plane(const StartScene& scene,
+                               const StartVolume& fine_volume,
+                               const StartCandidate& candidate,
+                               double step_mm) {
+  const std::vector<Eigen::Vector3f> points = points_near(scene, fine_volume, candidate, step_mm);
+  const int reach = static_cast<int>(std::lround(kPolishSteps * step_mm / fine_volume.spacing_mm));
+  const int side = 2 * reach + 1;
+  StartCandidate best = candidate;
+  int most = INT32_MIN;
+  std::vector<int> sums(static_cast<std::size_t>(side * side));
+  for (int turn = -kPolishYaws; turn <= kPolishYaws; ++turn) {
+    StartCandidate turned_candidate = candidate;
+    turned_candidate.yaw_rad += turn * 0.75 * kYawStepRad / kPolishYaws;
+    // About the middle of the body, not of the points' frame.
+    turned_candidate.shift_mm = shift_about_body(fine_volume, candidate, turned_candidate.yaw_rad);
+    std::fill(sums.begin(), sums.end(), 0);
+    add_windows(points, fine_volume, turned_candidate, reach, sums);
+    const auto top = std::max_element(sums.begin(), sums.end());
+    if (*top <= most) continue;
+    most = *top;
+    const int at = static_cast<int>(top - sums.begin());
+    best = turned_candidate;
+    best.shift_mm += static_cast<double>(fine_volume.spacing_mm) *
+                     Eigen::Vector2d(at % side - reach, at / side - reach);
+  }
+  best.score = most / static_cast<double>(StartVolume::kMostWorth);
+  return best;
 }
 
 }  // namespace mor::internal

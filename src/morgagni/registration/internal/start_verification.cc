@@ -15,10 +15,10 @@ namespace mor::internal {
 namespace {
 
 constexpr float kGlanceFacing = 0.3F;
-constexpr float kSpacing = 1.0F / 18.0F;  ///< Of the skin's points, of the body's extent.
+constexpr float kSpacing = 1.0F / 36.0F;  ///< Of the skin's points, of the body's extent.
 constexpr float kNoises = 2.0F;
 /// Skin is floating only if the camera looks past it by so many tolerances.
-constexpr float kFloatingTolerances = 2.0F;
+constexpr float kFloatingTolerances = 1.2F;
 
 /// The reading in the 3x3 pixels around (x, y) that comes nearest to `z`; 0 without any.
 float nearest_reading(const StartPicture& picture, int x, int y, float z) {

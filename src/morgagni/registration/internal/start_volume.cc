@@ -9,10 +9,7 @@
 namespace mor::internal {
 namespace {
 
-constexpr float kNodesAlongBody = 48.0F;
-/// How far from the skin a point is worth something, in nodes.
-constexpr float kReachNodes = 3.5F;
-constexpr int kWorthInside = -60;
+constexpr int kWorthInside = -50;
 
 /// Out of the body through the side it lies on: LPS.
 Eigen::Vector3d down_in_ct(BodySide side) {
@@ -42,7 +39,9 @@ std::int8_t worth_at(float distance_mm, float reach_mm) {
 
 }  // namespace
 
-StartVolume make_start_volume(const FixedSurface& fixed, BodySide lying_on) {
+StartVolume make_start_volume(const FixedSurface& fixed,
+                              BodySide lying_on,
+                              const StartVolumeOptions& options) {
   StartVolume volume;
   const Eigen::Vector3d up = -down_in_ct(lying_on);
   Eigen::Matrix3d lying_from_ct;
@@ -57,8 +56,8 @@ StartVolume make_start_volume(const FixedSurface& fixed, BodySide lying_on) {
   volume.lying_from_ct.translation() =
       -static_cast<double>(bounds.min().z()) * Eigen::Vector3d::UnitZ();
   bounds.translate(-bounds.min().z() * Eigen::Vector3f::UnitZ());
-  volume.spacing_mm = std::clamp(bounds.sizes().maxCoeff() / kNodesAlongBody, 2.0F, 12.0F);
-  const float reach_mm = kReachNodes * volume.spacing_mm;
+  volume.spacing_mm = std::clamp(bounds.sizes().maxCoeff() / options.nodes_along_body, 1.0F, 12.0F);
+  const float reach_mm = options.reach_nodes * volume.spacing_mm;
   volume.origin_mm = bounds.min() - Eigen::Vector3f::Constant(reach_mm);
   for (int axis = 0; axis < 3; ++axis) {
     volume.size[static_cast<std::size_t>(axis)] =

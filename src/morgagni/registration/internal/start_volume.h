@@ -19,7 +19,7 @@ namespace mor::internal {
 /// The grid stands as the body lies: frame `lying`, its z axis up from the table, which touches the
 /// body at z = 0.
 struct StartVolume {
-  static constexpr int kMostWorth = 100;
+  static constexpr int kMostWorth = 50;
 
   Eigen::Isometry3d lying_from_ct = Eigen::Isometry3d::Identity();
   Eigen::Vector3f origin_mm = Eigen::Vector3f::Zero();  ///< Of node (0, 0, 0), frame lying.
@@ -40,6 +40,13 @@ struct StartVolume {
   }
 };
 
-[[nodiscard]] StartVolume make_start_volume(const FixedSurface& fixed, BodySide lying_on);
+struct StartVolumeOptions {
+  float nodes_along_body = 48.0F;
+  float reach_nodes = 3.5F;  ///< How far from the skin a point is worth something.
+};
+
+[[nodiscard]] StartVolume make_start_volume(const FixedSurface& fixed,
+                                            BodySide lying_on,
+                                            const StartVolumeOptions& options);
 
 }  // namespace mor::internal
