@@ -8,6 +8,7 @@ uniform vec2 focal_ndc;       // From (x/z, y/z) to the target's -1..1.
 uniform vec2 center_ndc;
 uniform float distortion[5];  // k1, k2, p1, p2, k3.
 uniform float max_radius_sq;  // Of (x/z, y/z) that the distortion's polynomial bears; 0: no distortion.
+uniform vec4 cut_plane;        // What is on its negative side is cut away, where clip distance 0 is on.
 uniform vec2 depth_clip;      // clip z = depth_clip.x * z + depth_clip.y.
 
 out vec3 position_mm;  // Camera frame: x right, y down, z forward.
@@ -31,6 +32,7 @@ void main() {
     float shrink = min(1.0, sqrt(max_radius_sq / max(dot(ray, ray), 1e-12)));
     seen = distorted(ray * shrink) / shrink * z;
   }
+  gl_ClipDistance[0] = dot(cut_plane, vec4(position_mm, 1.0));
   gl_Position = vec4(focal_ndc * seen + center_ndc * position_mm.z,
                      depth_clip.x * position_mm.z + depth_clip.y, position_mm.z);
 }

@@ -25,7 +25,7 @@ struct Findings {
 };
 
 Result<std::string> find_opengl_device() {
-  MOR_TRY(const auto renderer, OverlayRenderer::create({}, TriangleMesh{}));
+  MOR_TRY(const auto renderer, OverlayRenderer::create({}));
   return renderer->device();
 }
 

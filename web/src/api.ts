@@ -8,12 +8,26 @@ export type Doubt =
 export type BodySide = 'anterior' | 'posterior' | 'left' | 'right';
 export type Point3 = [number, number, number];
 
+export type SlicePlane = 'none' | 'axial' | 'coronal' | 'sagittal' | 'camera';
+export type VolumePreset = 'none' | 'bone' | 'soft-tissue' | 'lung' | 'vessels' | 'skin';
+
 export interface View {
   opacity: number;
   hole_radius: number;
   hole_x: number;
   hole_y: number;
+  hands_in_front: boolean;
   structures: Record<string, boolean>;
+  structure_opacity: Record<string, number>;
+  slice: SlicePlane;
+  slice_position: number;
+  slice_depth_mm: number;
+  slice_level_hu: number;
+  slice_window_hu: number;
+  slice_cuts: boolean;
+  volume: VolumePreset;
+  volume_level_hu: number;
+  volume_window_hu: number;
 }
 
 /** The search for a start. */
@@ -52,6 +66,7 @@ export interface Status {
 export interface CaseInfo {
   name: string;
   structures: { name: string; color: string }[];
+  has_ct: boolean;
   start_options: { distance_mm: number; min: number; max: number };
   version: string;
 }

@@ -7,6 +7,7 @@ import { grabFrame, type GrabbedFrame } from './frame_grabber';
 import type { Point } from './geometry';
 import { LandmarkPanel } from './landmark_panel';
 import { LiveVideo } from './live_video';
+import { ModesPanel } from './modes_panel';
 import { PlacementPanel } from './placement_panel';
 import { Stage } from './stage';
 import { StatusPanel } from './status_panel';
@@ -41,6 +42,7 @@ export class App {
   private readonly sender = new ViewSender((change) => api.setView(change), this.toast.sayError);
   private readonly placement = new PlacementPanel(() => this.closePlacement(), this.toast);
   private readonly landmarks = new LandmarkPanel(this.stage, this.toast, () => this.setMode('live'));
+  private readonly modes = new ModesPanel((change) => this.changeView(change));
   private readonly controls = new Controls({
     startAutomatically: () => void api.startAutomatically().catch(this.toast.sayError),
     startByPlacement: () => {
@@ -68,7 +70,8 @@ export class App {
       this.stage.element,
       this.figures.element,
       this.landmarks.bar,
-      h('aside', { class: 'rail' }, this.controls.element, this.placement.element),
+      h('aside', { class: 'rail' }, this.controls.element, this.modes.element,
+        this.placement.element),
       this.toast.element);
     const self = this;
     this.inspection = {
@@ -99,6 +102,7 @@ export class App {
     setText(this.caseName, this.info.name);
     document.title = `${this.info.name} – Morgagni`;
     this.controls.showCase(this.info);
+    this.modes.showCase(this.info);
     this.placement.showCase(this.info);
   }
 
@@ -111,6 +115,7 @@ export class App {
     if (!this.sender.isBusy) {
       this.view = status.view;
       this.controls.showView(status.view);
+      this.modes.showView(status.view);
     }
     this.controls.showStatus(status);
     const found = status.state === 'tracking' && before?.state !== 'tracking';
@@ -141,7 +146,8 @@ export class App {
   private changeView(change: Partial<View>): void {
     if (this.view) {
       const structures = { ...this.view.structures, ...change.structures };
-      this.view = { ...this.view, ...change, structures };
+      const structure_opacity = { ...this.view.structure_opacity, ...change.structure_opacity };
+      this.view = { ...this.view, ...change, structures, structure_opacity };
     }
     this.sender.change(change);
   }

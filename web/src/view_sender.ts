@@ -41,7 +41,10 @@ export class ViewSender {
 }
 
 function merged(before: Partial<View> | undefined, change: Partial<View>): Partial<View> {
-  const structures = { ...before?.structures, ...change.structures };
   const all = { ...before, ...change };
-  return Object.keys(structures).length > 0 ? { ...all, structures } : all;
+  if (before?.structures) all.structures = { ...before.structures, ...change.structures };
+  if (before?.structure_opacity) {
+    all.structure_opacity = { ...before.structure_opacity, ...change.structure_opacity };
+  }
+  return all;
 }

@@ -11,6 +11,7 @@
 #include "morgagni/casefile/internal/case_format.h"
 #include "morgagni/core/files.h"
 #include "morgagni/geometry/triangle_mesh_io.h"
+#include "morgagni/geometry/volume_io.h"
 
 namespace mor {
 namespace {
@@ -132,6 +133,11 @@ Result<Case> load_case(const fs::path& folder) {
   result.skin =
       std::make_shared<const FixedSurface>(FixedSurface{std::move(mesh), std::move(field)});
   MOR_TRY(result.structures, read_structures(folder, json));
+  if (json["files"].contains(internal::kVolumeFile)) {
+    MOR_CHECK(check_file(folder, json["files"], internal::kVolumeFile));
+    MOR_TRY(auto volume, read_volume(folder / internal::kVolumeFile));
+    result.volume = std::make_shared<const Volume>(std::move(volume));
+  }
   return result;
 }
 

@@ -11,6 +11,7 @@
 
 #include "morgagni/core/result.h"
 #include "morgagni/geometry/triangle_mesh.h"
+#include "morgagni/geometry/volume.h"
 #include "morgagni/registration/fixed_surface.h"
 
 namespace mor {
@@ -31,6 +32,8 @@ struct Case {
       Eigen::Vector3d::Zero();  ///< From a voxel's centre to its far corner, LPS.
   std::shared_ptr<const FixedSurface> skin;
   std::vector<Structure> structures;
+  std::shared_ptr<const Volume> volume;  ///< The CT of the body alone (SkinSurfaces::body). None in
+                                         ///< a case made before Morgagni kept it.
 };
 
 /// The file that makes a folder a case. Written last.

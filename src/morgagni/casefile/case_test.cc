@@ -71,6 +71,15 @@ TEST_F(CaseTest, NoticesAMissingFile) {
   EXPECT_THAT(message(), HasSubstr("skin.field"));
 }
 
+TEST_F(CaseTest, LoadsACaseThatWasMadeBeforeVolumesWereKept) {
+  fs::remove(folder_ / "body.volume");
+  EXPECT_THAT(message(), HasSubstr("body.volume"));
+  edit([](auto& json) { json["files"].erase("body.volume"); });
+  const auto loaded = load_case(folder_);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(loaded->volume, nullptr);
+}
+
 TEST_F(CaseTest, RefusesTextThatIsNoCase) {
   for (const char* text : {"", "{", "[]", "{}", R"({"format": "1"})", R"({"format": 0})"}) {
     ASSERT_TRUE(write_file(folder_ / kCaseFile, text));

@@ -18,6 +18,7 @@
 #include "morgagni/core/pending_folder.h"
 #include "morgagni/core/version.h"
 #include "morgagni/geometry/triangle_mesh_io.h"
+#include "morgagni/geometry/volume_io.h"
 #include "morgagni/registration/distance_field.h"
 
 namespace mor {
@@ -118,12 +119,14 @@ struct Prepared {
   TriangleMesh bone;
   DistanceField field;
   std::vector<std::byte> preview;  ///< PNG.
+  Volume body;
 };
 
 Result<void> write_case(const fs::path& folder, const Prepared& prepared, Json& document) {
   MOR_CHECK(write_ply(folder / internal::kSkinFile, prepared.skin));
   MOR_CHECK(write_file(folder / internal::kPreviewFile, prepared.preview));
   MOR_CHECK(write_distance_field(folder / internal::kFieldFile, prepared.field));
+  MOR_CHECK(write_volume(folder / internal::kVolumeFile, prepared.body));
   document["structures"] = Json::array();
   if (!prepared.bone.empty()) {
     MOR_CHECK(write_ply(folder / internal::kBoneFile, prepared.bone));
@@ -174,7 +177,8 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
                        {std::move(skin.remeshed),
                         std::move(bone),
                         std::move(field),
-                        encode_png(skin.preview.picture.view())},
+                        encode_png(skin.preview.picture.view()),
+                        std::move(skin.body)},
                        document));
   MOR_CHECK(pending.commit());
   progress("write case", 1.0);

@@ -66,6 +66,30 @@ TEST_F(PrepareTest, PutsSkinAndBoneWhereTheCtHasThem) {
   EXPECT_NEAR(skin.max().x(), middle.x() + 69.0, 1.5) << "the larger ear is on the left";
 }
 
+TEST_F(PrepareTest, KeepsTheVoxelsOfTheBodyWhereTheCtHasThem) {
+  ASSERT_TRUE(prepare_case(ct_, case_, options(), kQuiet));
+  const auto volume = load_case(case_).value().volume;
+  ASSERT_NE(volume, nullptr);
+  EXPECT_LT(volume->num_voxels(), std::size_t{testing_ct::kSide} * testing_ct::kSide * 90);
+  std::size_t num_inside = 0;
+  for (int z = 0; z < volume->size[2]; ++z) {
+    for (int y = 0; y < volume->size[1]; ++y) {
+      for (int x = 0; x < volume->size[0]; ++x) {
+        const std::int16_t hu = volume->hu[volume->index(x, y, z)];
+        const Eigen::Vector3d in_grid = volume->spacing_mm.cwiseProduct(Eigen::Vector3d(x, y, z));
+        const std::int16_t truth = testing_ct::hu_at(volume->ct_from_grid * in_grid);
+        if (hu == kOutsideHu) {
+          ASSERT_EQ(truth, -1000);
+        } else {
+          ASSERT_EQ(hu, truth);
+          ++num_inside;
+        }
+      }
+    }
+  }
+  EXPECT_GT(num_inside, 100000U);
+}
+
 TEST_F(PrepareTest, WritesAllOptionsAndTheIdentityOfTheCt) {
   ASSERT_TRUE(prepare_case(ct_, case_, options(), kQuiet));
   const auto json = nlohmann::json::parse(read_text_file(case_ / kCaseFile, 1U << 20U).value());
@@ -74,7 +98,7 @@ TEST_F(PrepareTest, WritesAllOptionsAndTheIdentityOfTheCt) {
   EXPECT_EQ(json["options"]["bone"]["threshold_hu"], 250.0);
   EXPECT_EQ(json["ct"]["source"], "egg.mha");
   EXPECT_EQ(json["ct"]["voxels_sha256"].get<std::string>().size(), 64U);
-  EXPECT_EQ(json["files"].size(), 4U);
+  EXPECT_EQ(json["files"].size(), 5U);
 }
 
 TEST_F(PrepareTest, ReplacesACaseButNoOtherFolder) {

@@ -9,6 +9,7 @@
 #include "morgagni/ct/acvd.h"
 #include "morgagni/ct/internal/body_mask.h"
 #include "morgagni/ct/internal/body_preview.h"
+#include "morgagni/ct/internal/body_volume.h"
 #include "morgagni/ct/internal/marching_cubes.h"
 
 namespace mor {
@@ -59,6 +60,7 @@ Result<SkinSurfaces> extract_skin(const Volume& volume,
   SkinSurfaces surfaces;
   if (progress) progress("surface", 0.0);
   surfaces.full = internal::marching_cubes(volume, body.body, options.threshold_hu);
+  surfaces.body = internal::body_volume(volume, body.body);
   if (progress) progress("surface", 1.0);
   surfaces.preview = preview_of(volume, body);
   const AcvdOptions remeshing = {options.num_vertices, options.sub_sampling, options.gradation};

@@ -8,8 +8,8 @@
 #include "morgagni/core/progress.h"
 #include "morgagni/core/result.h"
 #include "morgagni/ct/cut_part.h"
-#include "morgagni/ct/volume.h"
 #include "morgagni/geometry/triangle_mesh.h"
+#include "morgagni/geometry/volume.h"
 
 namespace mor {
 
@@ -38,6 +38,8 @@ struct SkinSurfaces {
   TriangleMesh full;  ///< Marching cubes on the closed body mask's grey values, frame ct, LPS mm.
   TriangleMesh remeshed;  ///< About `num_vertices`, with normals pointing out of the body.
   BodyPreview preview;
+  Volume body;  ///< The CT's box around the body, air and tables beside it kOutsideHu, the rest
+                ///< within [-1024, 3071] HU.
 };
 
 /// Threshold, closing, largest body without the table, marching cubes, ACVD remeshing.

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <functional>
 
-#include "morgagni/ct/volume.h"
 #include "morgagni/geometry/triangle_mesh.h"
+#include "morgagni/geometry/volume.h"
 
 namespace mor {
 

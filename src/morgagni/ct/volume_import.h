@@ -9,7 +9,7 @@
 #include "morgagni/core/progress.h"
 #include "morgagni/core/result.h"
 #include "morgagni/ct/ct_series.h"
-#include "morgagni/ct/volume.h"
+#include "morgagni/geometry/volume.h"
 
 namespace mor {
 

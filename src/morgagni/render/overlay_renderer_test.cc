@@ -57,7 +57,7 @@ Eigen::Isometry3d at(double x, double y, double z) {
 std::unique_ptr<OverlayRenderer> make_renderer(const TriangleMesh& bones,
                                                const Eigen::Vector3f& color = {1.0F, 0.0F, 0.0F},
                                                const TriangleMesh& skin = {}) {
-  auto renderer = OverlayRenderer::create({{"bones", bones, color}}, skin);
+  auto renderer = OverlayRenderer::create({{{"bones", bones, color}}, skin});
   if (!renderer) throw std::runtime_error(renderer.error().message);
   return *std::move(renderer);
 }
@@ -211,7 +211,7 @@ TEST(OverlayRenderer, ShowsTheNearerOfTwoStructures) {
   const RenderedStructure red{"red", testing::make_sphere(near, 20.0, 20), {1.0F, 0.0F, 0.0F}};
   const RenderedStructure green{"green", testing::make_sphere(far, 50.0, 20), {0.0F, 1.0F, 0.0F}};
   for (const auto& structures : {std::vector{red, green}, std::vector{green, red}}) {
-    const auto renderer = OverlayRenderer::create(structures, {});
+    const auto renderer = OverlayRenderer::create({structures, {}});
     ASSERT_TRUE(renderer) << renderer.error().message;
     const auto picture =
         rendered(**renderer, gray(kCamera), everywhere(kCamera, at(0.0, 0.0, 600.0)));
@@ -227,12 +227,12 @@ TEST(OverlayRenderer, DrawsNoStructureThatIsHidden) {
       "red", testing::make_sphere({0.0, 0.0, -60.0}, 20.0, 20), {1.0F, 0.0F, 0.0F}};
   const RenderedStructure green{
       "green", testing::make_sphere({0.0, 0.0, 60.0}, 50.0, 20), {0.0F, 1.0F, 0.0F}};
-  const auto renderer = OverlayRenderer::create({red, green}, {});
+  const auto renderer = OverlayRenderer::create({{red, green}, {}});
   ASSERT_TRUE(renderer) << renderer.error().message;
   OverlayView view = everywhere(kCamera, at(0.0, 0.0, 600.0));
-  view.hidden = {"red"};
+  view.structure_opacity = {{"red", 0.0F}};
   EXPECT_GT(rendered(**renderer, gray(kCamera), view)(320, 240).g, 100);
-  view.hidden = {"red", "green"};
+  view.structure_opacity = {{"red", 0.0F}, {"green", 0.0F}};
   EXPECT_EQ(rendered(**renderer, gray(kCamera), view), opaque(gray(kCamera)));
 }
 
@@ -328,11 +328,11 @@ TEST(OverlayRenderer, RefusesBadViewsInOneSentence) {
 TEST(OverlayRenderer, RefusesBrokenMeshesInOneSentence) {
   TriangleMesh mesh = testing::make_sphere(Eigen::Vector3d::Zero(), 50.0, 4);
   mesh.triangles[3][1] = 999;
-  EXPECT_THAT(OverlayRenderer::create({{"ribs", mesh}}, {}).error().message,
+  EXPECT_THAT(OverlayRenderer::create({{{"ribs", mesh}}, {}}).error().message,
               ::testing::HasSubstr("mesh of ribs has a triangle with vertex 999 of"));
   mesh = testing::make_sphere(Eigen::Vector3d::Zero(), 50.0, 4);
   mesh.vertices[2].x() = std::numeric_limits<float>::infinity();
-  EXPECT_THAT(OverlayRenderer::create({}, mesh).error().message,
+  EXPECT_THAT(OverlayRenderer::create({{}, mesh}).error().message,
               ::testing::HasSubstr("not finite"));
 }
 
@@ -340,7 +340,7 @@ TEST(OverlayRendererDeathTest, SaysWhatToInstallWhereThereIsNoEgl) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto without_driver = [] {
     setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/nonexistent.json", 1);
-    const auto renderer = OverlayRenderer::create({}, {});
+    const auto renderer = OverlayRenderer::create({});
     std::cerr << (renderer ? "drew with " + (*renderer)->device() : renderer.error().message);
     std::exit(renderer ? 1 : 0);
   };

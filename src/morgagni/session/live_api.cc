@@ -12,6 +12,7 @@
 #include "morgagni/core/image_png.h"
 #include "morgagni/core/version.h"
 #include "morgagni/render/skin_view.h"
+#include "morgagni/session/scene_view.h"
 
 namespace mor {
 namespace {
@@ -151,12 +152,19 @@ std::string hex_color(const Eigen::Vector3f& color) {
 
 Json case_json(const Case& body, const PlacementOptions& placement) {
   Json structures = Json::array();
-  for (const auto& structure : body.structures) {
+  for (const auto& structure : scene_of(body).structures) {
     structures.push_back({{"name", structure.name}, {"color", hex_color(structure.color)}});
+  }
+  Json windows = Json::object();
+  for (const VolumePreset preset : kVolumePresets) {
+    const auto [level_hu, window_hu] = volume_window(preset);
+    windows[std::string(to_string(preset))] = {{"level_hu", level_hu}, {"window_hu", window_hu}};
   }
   return {{"name", body.name},
           {"description", body.ct_description},
           {"structures", structures},
+          {"has_ct", body.volume != nullptr},
+          {"volume_presets", windows},
           {"start_options",
            {{"distance_mm", placement.distance_mm},
             {"min", PlacementOptions::kMinDistanceMm},

@@ -16,6 +16,7 @@
 #include "morgagni/core/statistics.h"
 #include "morgagni/session/depth_pick.h"
 #include "morgagni/session/frame_rate.h"
+#include "morgagni/session/scene_view.h"
 #include "morgagni/session/start_search.h"
 
 namespace mor {
@@ -36,12 +37,6 @@ double ms_between(Clock::time_point start, Clock::time_point end) {
   return std::chrono::duration<double, std::milli>(end - start).count();
 }
 
-std::vector<RenderedStructure> rendered(const Case& body) {
-  std::vector<RenderedStructure> structures;
-  for (const auto& [name, color, mesh] : body.structures) structures.push_back({name, mesh, color});
-  return structures;
-}
-
 class Loop final : public LiveLoop {
  public:
   Loop(std::shared_ptr<const Case> body,
@@ -56,7 +51,7 @@ class Loop final : public LiveLoop {
         search_([automatic = std::move(automatic)](const RgbdFrame& frame, std::stop_token stop) {
           return automatic->find(frame.depth_mm.view(), stop);
         }) {
-    for (const auto& structure : body_->structures) view_.structures[structure.name] = true;
+    view_ = first_view(*body_);
   }
 
   Result<void> run(Show show) override {
@@ -328,7 +323,7 @@ class Loop final : public LiveLoop {
   }
 
   void render(std::stop_token stop, const Show& show, std::promise<Result<void>>& ready) {
-    auto renderer = OverlayRenderer::create(rendered(*body_), body_->skin->mesh);
+    auto renderer = OverlayRenderer::create(scene_of(*body_));
     if (!renderer) {
       ready.set_value(tl::unexpected<Error>(renderer.error()));
       return;
@@ -366,7 +361,9 @@ class Loop final : public LiveLoop {
             bool is_still,
             const Show& show) {
     const auto started = Clock::now();
-    const auto picture = renderer.render(shown.frame->color.view(), overlay_view(shown, view));
+    const auto picture = renderer.render(
+        shown.frame->color.view(),
+        overlay_view(*shown.frame, shown.ct_from_depth, shown.ct_from_ghost, view, is_still));
     if (!picture) {
       log::error("the picture cannot be drawn: {}", picture.error().message);
       return;
@@ -380,22 +377,6 @@ class Loop final : public LiveLoop {
     const std::lock_guard lock(mutex_);
     render_ms_.add(ms_between(started, Clock::now()));
     if (!is_still) shown_rate_.count(Clock::now());
-  }
-
-  OverlayView overlay_view(const TrackedFrame& shown, const ViewSettings& view) const {
-    const auto& [depth_camera, color_camera, color_from_depth] = *shown.frame->calibration;
-    OverlayView overlay;
-    overlay.color_camera = color_camera;
-    overlay.opacity = view.opacity;
-    overlay.hole = view.hole;
-    if (shown.ct_from_depth)
-      overlay.color_from_ct = color_from_depth * shown.ct_from_depth->inverse();
-    if (shown.ct_from_ghost)
-      overlay.color_from_ghost = color_from_depth * shown.ct_from_ghost->inverse();
-    for (const auto& structure : body_->structures) {
-      if (!view.structures.at(structure.name)) overlay.hidden.insert(structure.name);
-    }
-    return overlay;
   }
 
   void keep_snapshot(ImageView<const Rgba8> picture) {

@@ -12,7 +12,8 @@ using testing::HasSubstr;
 
 ViewSettings with_bone() {
   ViewSettings view;
-  view.structures = {{"bone", true}};
+  view.structures = {{"bone", {true, 1.0F}}};
+  view.has_ct = true;
   return view;
 }
 
@@ -20,7 +21,7 @@ TEST(ViewSettings, ChangesOnlyWhatIsNamed) {
   const auto view = changed(with_bone(), R"({"opacity": 0.25, "structures": {"bone": false}})");
   ASSERT_TRUE(view) << view.error().message;
   EXPECT_FLOAT_EQ(view->opacity, 0.25F);
-  EXPECT_FALSE(view->structures.at("bone"));
+  EXPECT_FALSE(view->structures.at("bone").is_shown);
   EXPECT_FLOAT_EQ(view->hole.radius, with_bone().hole.radius);
 }
 
@@ -32,12 +33,44 @@ TEST(ViewSettings, ReadsWhatItWrites) {
   EXPECT_EQ(to_json(*again), to_json(view));
 }
 
+TEST(ViewSettings, APresetBringsItsOwnWindowUnlessOneIsNamed) {
+  const auto bone = changed(with_bone(), R"({"volume": "bone"})");
+  ASSERT_TRUE(bone) << bone.error().message;
+  EXPECT_EQ(bone->volume.window_hu, volume_window(VolumePreset::kBone).window_hu);
+  const auto narrow = changed(with_bone(), R"({"volume_window_hu": 50, "volume": "bone"})");
+  ASSERT_TRUE(narrow) << narrow.error().message;
+  EXPECT_EQ(narrow->volume.window_hu, 50.0F);
+}
+
+TEST(ViewSettings, ASliceCanBeInvertedButNotEmpty) {
+  const auto inverted = changed(with_bone(), R"({"slice": "axial", "slice_window_hu": -400})");
+  ASSERT_TRUE(inverted) << inverted.error().message;
+  EXPECT_EQ(inverted->slice.plane, SlicePlane::kAxial);
+  EXPECT_EQ(inverted->slice.window_hu, -400.0F);
+  EXPECT_THAT(changed(with_bone(), R"({"slice_window_hu": 0})").error().message,
+              HasSubstr("at least 1 HU"));
+}
+
+TEST(ViewSettings, ACaseWithoutVoxelsSaysSo) {
+  ViewSettings view = with_bone();
+  view.has_ct = false;
+  EXPECT_TRUE(changed(view, R"({"slice": "none", "volume": "none"})"));
+  for (const char* json : {R"({"slice": "coronal"})", R"({"volume": "lung"})"}) {
+    EXPECT_THAT(changed(view, json).error().message, HasSubstr("prepare it again")) << json;
+  }
+}
+
 TEST(ViewSettings, SaysWhatItDoesNotUnderstand) {
   const auto message = [](const char* json) { return changed(with_bone(), json).error().message; };
   EXPECT_THAT(message("{"), HasSubstr("JSON object"));
   EXPECT_THAT(message("[]"), HasSubstr("JSON object"));
   EXPECT_THAT(message(R"({"opacity": 2})"), HasSubstr("from 0 to 1, got 2"));
   EXPECT_THAT(message(R"({"opacity": "much"})"), HasSubstr("got \"much\""));
+  EXPECT_THAT(message(R"({"slice": "oblique"})"), HasSubstr("got \"oblique\""));
+  EXPECT_THAT(message(R"({"volume": 3})"), HasSubstr("got 3"));
+  EXPECT_THAT(message(R"({"volume": "bone", "volume_window_hu": -1})"), HasSubstr("from 1 to"));
+  EXPECT_THAT(message(R"({"structure_opacity": {"bone": 1.5}})"), HasSubstr("from 0 to 1"));
+  EXPECT_THAT(message(R"({"hands_in_front": 1})"), HasSubstr("true or false"));
   EXPECT_THAT(message(R"({"zoom": 2})"), HasSubstr("no member \"zoom\""));
   EXPECT_THAT(message(R"({"structures": {"liver": true}})"), HasSubstr("no structure \"liver\""));
 }

@@ -26,6 +26,21 @@ it('sends one change at a time and merges those that wait', async () => {
   expect(sender.isBusy).toBe(false);
 });
 
+it('merges what is wanted of different structures', async () => {
+  const sent: Partial<View>[] = [];
+  let answer = (): void => undefined;
+  const sender = new ViewSender((change) => {
+    sent.push(change);
+    return new Promise<void>((resolve) => (answer = resolve));
+  }, () => undefined);
+  sender.change({ opacity: 1 });
+  sender.change({ structure_opacity: { bone: 0.5 } });
+  sender.change({ structure_opacity: { skin: 0.25 }, slice: 'axial' });
+  answer();
+  await new Promise((resolve) => setTimeout(resolve));
+  expect(sent[1]).toEqual({ structure_opacity: { bone: 0.5, skin: 0.25 }, slice: 'axial' });
+});
+
 it('goes on after an error', async () => {
   const errors: unknown[] = [];
   const sender = new ViewSender(() => Promise.reject(new Error('no')), (error) => errors.push(error));

@@ -12,5 +12,6 @@ inline constexpr const char* kSkinFile = "skin.ply";
 inline constexpr const char* kFieldFile = "skin.field";
 inline constexpr const char* kPreviewFile = "body.png";
 inline constexpr const char* kBoneFile = "bone.ply";
+inline constexpr const char* kVolumeFile = "body.volume";
 
 }  // namespace mor::internal

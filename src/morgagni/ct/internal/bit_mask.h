@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "morgagni/ct/volume.h"
+#include "morgagni/geometry/volume.h"
 
 namespace mor::internal {
 

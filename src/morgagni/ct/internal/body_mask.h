@@ -5,7 +5,7 @@
 #include "morgagni/core/progress.h"
 #include "morgagni/core/result.h"
 #include "morgagni/ct/internal/bit_mask.h"
-#include "morgagni/ct/volume.h"
+#include "morgagni/geometry/volume.h"
 
 namespace mor::internal {
 

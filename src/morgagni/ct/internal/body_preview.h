@@ -7,7 +7,7 @@
 #include "morgagni/core/image.h"
 #include "morgagni/ct/cut_part.h"
 #include "morgagni/ct/internal/bit_mask.h"
-#include "morgagni/ct/volume.h"
+#include "morgagni/geometry/volume.h"
 
 namespace mor::internal {
 

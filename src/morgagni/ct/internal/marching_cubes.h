@@ -3,8 +3,8 @@
 #pragma once
 
 #include "morgagni/ct/internal/bit_mask.h"
-#include "morgagni/ct/volume.h"
 #include "morgagni/geometry/triangle_mesh.h"
+#include "morgagni/geometry/volume.h"
 
 namespace mor::internal {
 

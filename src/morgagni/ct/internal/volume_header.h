@@ -4,7 +4,7 @@
 
 #include "morgagni/core/result.h"
 #include "morgagni/ct/import_protocol.h"
-#include "morgagni/ct/volume.h"
+#include "morgagni/geometry/volume.h"
 
 namespace mor::internal {
 

@@ -21,6 +21,7 @@ struct CameraUniforms {
   float max_radius_sq = 0.0F;
   std::array<float, 2> depth_clip{};
   std::array<float, 2> depth_range_mm{};
+  std::array<float, 4> cut_plane = {0.0F, 0.0F, 0.0F, 1.0F};  ///< Drawn where it is >= 0: all.
 };
 
 /// @param bounds  Of all that is drawn, frame ct: the near and far planes lie around it.

@@ -6,6 +6,9 @@
 #include <cmath>
 
 #include <libyuv/convert_argb.h>
+#include <tbb/parallel_for.h>
+
+#include "morgagni/render/internal/fragments.h"
 
 namespace mor::internal {
 namespace {
@@ -77,10 +80,21 @@ void HoleMask::update(const Hole& hole, float opacity, int picture_width, int pi
   fill(hole, opacity, picture_width, picture_height);
 }
 
+bool HoleMask::reaches(int x, int y, float margin_px) const {
+  if (!has_rim_) return true;
+  const auto width = static_cast<float>(picture_width_);
+  const auto height = static_cast<float>(picture_height_);
+  const float dx = static_cast<float>(x) - (hole_.center.x() * width - 0.5F);
+  const float dy = static_cast<float>(y) - (hole_.center.y() * height - 0.5F);
+  const float reach = (hole_.radius + 0.5F * std::max(0.0F, hole_.rim)) * height + 1.5F * margin_px;
+  return dx * dx + dy * dy <= reach * reach;
+}
+
 void HoleMask::fill(const Hole& hole, float opacity, int picture_width, int picture_height) {
   box_ = {};
+  has_rim_ = hole.radius < kEverywhereRadius;
   if (hole.radius <= 0.0F || opacity <= 0.0F) return;
-  if (hole.radius >= kEverywhereRadius) {
+  if (!has_rim_) {
     box_ = {0, 0, picture_width, picture_height};
     const Weights everywhere = weights_at(0.0F, {1e6F, 0.0F}, opacity);
     weights_.assign(static_cast<std::size_t>(picture_width) * picture_height, everywhere);
@@ -129,9 +143,9 @@ void smooth_outline(Layer& layer) {
     const Rgba8* const below = row + width;
     std::copy(row, row + width, here.begin());
     for (std::size_t x = 1; x + 1 < width; ++x) {
-      const unsigned a = here[x].a;
-      const bool is_outline =
-          ((a ^ here[x - 1].a) | (a ^ here[x + 1].a) | (a ^ above[x].a) | (a ^ below[x].a)) != 0;
+      const bool a = here[x].a != 0;
+      const bool is_outline = a != (here[x - 1].a != 0) || a != (here[x + 1].a != 0) ||
+                              a != (above[x].a != 0) || a != (below[x].a != 0);
       if (!is_outline) continue;
       const auto mean = [&](std::uint8_t Rgba8::*channel) {
         const unsigned sides =
@@ -144,22 +158,53 @@ void smooth_outline(Layer& layer) {
   }
 }
 
-void compose_hole(const HoleMask& mask, const Layer& structures, ImageView<Rgba8> picture) {
+void merge_layers(std::span<const Layer> layers, Layer& merged) {
+  const PixelBox& box = merged.box;
+  tbb::parallel_for(box.top, box.top + box.height, [&](int y) {
+    Fragments fragments;
+    for (int x = box.left; x < box.left + box.width; ++x) {
+      fragments.gather(layers, x, y);
+      if (fragments.size() == 0) continue;
+      Rgba8 seen = fragments[0].color;
+      for (int i = 1; i < fragments.size() && seen.a < 255; ++i) {
+        const Rgba8& under = fragments[i].color;
+        const unsigned left = 255U - seen.a;
+        seen = {static_cast<std::uint8_t>(seen.r + share(under.r, left)),
+                static_cast<std::uint8_t>(seen.g + share(under.g, left)),
+                static_cast<std::uint8_t>(seen.b + share(under.b, left)),
+                static_cast<std::uint8_t>(seen.a + share(under.a, left))};
+      }
+      const std::size_t at = merged.row_start(y) + static_cast<std::size_t>(x - box.left);
+      merged.pixels[at] = seen;
+      merged.depth_mm[at] = fragments[0].depth_mm;
+    }
+  });
+}
+
+void compose_hole(const HoleMask& mask,
+                  const Layer& inside,
+                  const PictureRays& rays,
+                  const ViewGrid& grid,
+                  const Occluders* occluders,
+                  ImageView<Rgba8> picture) {
   const PixelBox& box = mask.box();
-  for (int y = box.top; y < box.top + box.height; ++y) {
+  tbb::parallel_for(box.top, box.top + box.height, [&](int y) {
     const HoleMask::Weights* weights = mask.row(y);
-    const Rgba8* drawn = structures.row(y);
+    const Rgba8* drawn = inside.row(y);
+    const Eigen::Vector2f* ray = rays.row(y) + box.left;
+    const std::uint8_t* in_front = occluders == nullptr ? nullptr : occluders->row(y);
     Rgba8* pixels = picture.row(y) + box.left;
     for (int x = 0; x < box.width; ++x) {
       const auto [structure, background, ring] = weights[x];
-      const unsigned body = std::min<unsigned>(drawn[x].a, kBodyAlpha) * 255U / kBodyAlpha;
-      const unsigned drawn_alpha =
-          (std::max<unsigned>(drawn[x].a, kBodyAlpha) - kBodyAlpha) * 255U / (255U - kBodyAlpha);
-      const unsigned lit = 255U - share(255U - background, body);
-      const unsigned behind = share(lit, 255U - share(drawn_alpha, structure));
-      const auto blend = [&, w = unsigned{structure}, r = unsigned{ring}](unsigned under,
-                                                                          unsigned over) {
-        const unsigned seen = std::min(255U, share(under, behind) + share(over, w));
+      if (structure == 0 && ring == 0) continue;
+      const unsigned open = in_front == nullptr ? 255U : 255U - in_front[x];
+      if (open == 0) continue;
+      const unsigned body = to_byte(grid.body_share(ray[x]));
+      const unsigned lit = 255U - share(share(255U - background, body), open);
+      const unsigned over_share = share(structure, open);
+      const unsigned behind = share(lit, 255U - share(drawn[x].a, over_share));
+      const auto blend = [&, r = share(share(ring, body), open)](unsigned under, unsigned over) {
+        const unsigned seen = std::min(255U, share(under, behind) + share(over, over_share));
         return static_cast<std::uint8_t>(seen + share(255U - seen, r));
       };
       pixels[x] = {blend(pixels[x].r, drawn[x].r),
@@ -167,7 +212,7 @@ void compose_hole(const HoleMask& mask, const Layer& structures, ImageView<Rgba8
                    blend(pixels[x].b, drawn[x].b),
                    255};
     }
-  }
+  });
 }
 
 void compose_over(const Layer& layer, ImageView<Rgba8> picture) {

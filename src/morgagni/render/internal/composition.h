@@ -3,20 +3,20 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "morgagni/core/image.h"
-#include "morgagni/render/internal/layer_pass.h"
+#include "morgagni/render/internal/layer.h"
+#include "morgagni/render/internal/occluders.h"
+#include "morgagni/render/internal/picture_rays.h"
 #include "morgagni/render/internal/pixel_box.h"
+#include "morgagni/render/internal/view_grid.h"
 #include "morgagni/render/overlay_renderer.h"
 
 /// Laying the drawn layers over the camera's picture is done by the CPU: the picture comes from
 /// there and goes back there to the encoder, so only the hole has to leave the GPU.
 namespace mor::internal {
-
-/// Alpha of a layer's pixel where the body is and nothing is drawn: 0 is beside the body, 255 a
-/// structure.
-inline constexpr int kBodyAlpha = 16;
 
 /// How the hole treats each of its pixels. Made anew only when the hole or the opacity changes.
 class HoleMask {
@@ -31,6 +31,10 @@ class HoleMask {
 
   /// The part of the picture that the hole changes; empty where it changes nothing.
   [[nodiscard]] const PixelBox& box() const { return box_; }
+  /// False where the whole picture is open.
+  [[nodiscard]] bool has_rim() const { return has_rim_; }
+  /// Whether something of the inside is seen within `margin_px` of a pixel.
+  [[nodiscard]] bool reaches(int x, int y, float margin_px) const;
   [[nodiscard]] const Weights* row(int y) const {
     return weights_.data() + static_cast<std::size_t>(y - box_.top) * box_.width;
   }
@@ -43,6 +47,7 @@ class HoleMask {
   int picture_width_ = 0;
   int picture_height_ = 0;
   PixelBox box_;
+  bool has_rim_ = false;
   std::vector<Weights> weights_;
 };
 
@@ -53,9 +58,18 @@ void copy_background(ImageView<const Rgb8> color, ImageView<Rgba8> picture);
 /// blended into what is beside them, and nothing else is.
 void smooth_outline(Layer& layer);
 
-/// Opens the hole: the body darker in it and the structures inside. `structures` is the hole's box,
-/// with the body marked by kBodyAlpha.
-void compose_hole(const HoleMask& mask, const Layer& structures, ImageView<Rgba8> picture);
+/// The layers in one, each pixel's nearest over its farther ones. @param merged  Of the box it has.
+void merge_layers(std::span<const Layer> layers, Layer& merged);
+
+/// Opens the hole: the body darker in it, and what is inside.
+/// @param inside     Of the mask's box.
+/// @param occluders  Of the mask's box; null: nothing is in front of the body.
+void compose_hole(const HoleMask& mask,
+                  const Layer& inside,
+                  const PictureRays& rays,
+                  const ViewGrid& grid,
+                  const Occluders* occluders,
+                  ImageView<Rgba8> picture);
 
 /// Lays a layer over the picture.
 void compose_over(const Layer& layer, ImageView<Rgba8> picture);

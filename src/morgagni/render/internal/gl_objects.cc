@@ -18,14 +18,12 @@ GlRenderbuffer make_renderbuffer(int num_samples, GLenum format, int width, int 
   return GlRenderbuffer(name);
 }
 
-GlFramebuffer make_framebuffer(const GlRenderbuffer& color, const GlRenderbuffer* depth) {
+GlFramebuffer make_framebuffer(const GlRenderbuffer& color, const GlRenderbuffer& depth) {
   GLuint name = 0;
   glGenFramebuffers(1, &name);
   glBindFramebuffer(GL_FRAMEBUFFER, name);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, color.get());
-  if (depth != nullptr) {
-    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth->get());
-  }
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth.get());
   return GlFramebuffer(name);
 }
 
@@ -81,8 +79,8 @@ Result<void> RenderTarget::allocate(int width, int height) {
   width_ = std::max(width, width_);
   height_ = std::max(height, height_);
   color_ = make_renderbuffer(num_samples_, GL_RGBA8, width_, height_);
-  depth_ = make_renderbuffer(num_samples_, GL_DEPTH_COMPONENT24, width_, height_);
-  drawn_ = make_framebuffer(color_, &depth_);
+  depth_ = make_renderbuffer(num_samples_, GL_DEPTH_COMPONENT32F, width_, height_);
+  drawn_ = make_framebuffer(color_, depth_);
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
   if (status != GL_FRAMEBUFFER_COMPLETE) {
     const auto error = make_error(
@@ -94,7 +92,8 @@ Result<void> RenderTarget::allocate(int width, int height) {
   }
   if (num_samples_ > 1) {
     resolved_color_ = make_renderbuffer(0, GL_RGBA8, width_, height_);
-    resolved_ = make_framebuffer(resolved_color_, nullptr);
+    resolved_depth_ = make_renderbuffer(0, GL_DEPTH_COMPONENT32F, width_, height_);
+    resolved_ = make_framebuffer(resolved_color_, resolved_depth_);
   }
   return {};
 }
@@ -108,14 +107,16 @@ Result<void> RenderTarget::begin(int width, int height) {
   return {};
 }
 
-void RenderTarget::read(int width, int height, void* rgba) {
+void RenderTarget::read(int width, int height, void* rgba, float* depth) {
   if (num_samples_ > 1) {
     glBindFramebuffer(GL_READ_FRAMEBUFFER, drawn_.get());
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved_.get());
     glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved_.get());
   }
   glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+  glReadPixels(0, 0, width, height, GL_DEPTH_COMPONENT, GL_FLOAT, depth);
 }
 
 }  // namespace mor::internal

@@ -69,8 +69,9 @@ class RenderTarget {
   /// Bound for drawing, cleared to nothing. @errors kDevice: the device refuses such a target.
   [[nodiscard]] Result<void> begin(int width, int height);
 
-  /// Reads `width` x `height` pixels from the corner of row 0. Waits for the drawing.
-  void read(int width, int height, void* rgba);
+  /// Reads `width` x `height` pixels from the corner of row 0, and their depth from 0 to 1 (1:
+  /// nothing drawn). Waits for the drawing.
+  void read(int width, int height, void* rgba, float* depth);
 
   [[nodiscard]] bool has_many_samples() const { return num_samples_ > 1; }
 
@@ -83,6 +84,7 @@ class RenderTarget {
   GlRenderbuffer color_;
   GlRenderbuffer depth_;
   GlRenderbuffer resolved_color_;
+  GlRenderbuffer resolved_depth_;
   GlFramebuffer drawn_;
   GlFramebuffer resolved_;
 };

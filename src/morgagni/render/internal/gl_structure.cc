@@ -140,8 +140,8 @@ GlStructure::GlStructure(std::string name, const TriangleMesh& mesh, const Eigen
   glVertexAttribPointer(1, 3, GL_BYTE, GL_TRUE, sizeof(PackedVertex), normal_offset);
 }
 
-void GlStructure::draw() const {
-  if (is_closed_) {
+void GlStructure::draw(bool is_cut) const {
+  if (is_closed_ && !is_cut) {
     glEnable(GL_CULL_FACE);
   } else {
     glDisable(GL_CULL_FACE);

@@ -24,8 +24,8 @@ class GlStructure {
  public:
   GlStructure(std::string name, const TriangleMesh& mesh, const Eigen::Vector3f& color);
 
-  /// One draw call with the program that is in use.
-  void draw() const;
+  /// One draw call with the program that is in use. @param is_cut  Its inside can be seen.
+  void draw(bool is_cut) const;
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const Eigen::Vector3f& color() const { return color_; }

@@ -22,7 +22,9 @@ LayerPass::LayerPass(GlProgram program)
       max_radius_sq_(glGetUniformLocation(program_.get(), "max_radius_sq")),
       depth_clip_(glGetUniformLocation(program_.get(), "depth_clip")),
       depth_range_mm_(glGetUniformLocation(program_.get(), "depth_range_mm")),
-      color_(glGetUniformLocation(program_.get(), "color")) {}
+      cut_plane_(glGetUniformLocation(program_.get(), "cut_plane")),
+      color_(glGetUniformLocation(program_.get(), "color")),
+      opacity_(glGetUniformLocation(program_.get(), "opacity")) {}
 
 Result<LayerPass> LayerPass::create(const char* fragment_text) {
   MOR_TRY(GlProgram program, make_program(kSurfaceVertexText, fragment_text));
@@ -37,16 +39,19 @@ void LayerPass::set_camera(const CameraUniforms& uniforms) const {
   glUniform1f(max_radius_sq_, uniforms.max_radius_sq);
   glUniform2fv(depth_clip_, 1, uniforms.depth_clip.data());
   glUniform2fv(depth_range_mm_, 1, uniforms.depth_range_mm.data());
+  glUniform4fv(cut_plane_, 1, uniforms.cut_plane.data());
 }
 
 void LayerPass::draw(std::span<const GlStructure* const> structures,
-                     const CameraUniforms& uniforms) const {
+                     const CameraUniforms& uniforms,
+                     float opacity) const {
   glUseProgram(program_.get());
   set_camera(uniforms);
+  glUniform1f(opacity_, opacity);
   glFrontFace(GL_CW);  // Row 0 is the top row, which mirrors what OpenGL calls counter-clockwise.
   for (const GlStructure* structure : structures) {
     glUniform3fv(color_, 1, structure->color().data());
-    structure->draw();
+    structure->draw(glIsEnabled(GL_CLIP_DISTANCE0) == GL_TRUE);
   }
 }
 

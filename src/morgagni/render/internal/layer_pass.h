@@ -3,26 +3,13 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
-#include "morgagni/core/image.h"
 #include "morgagni/core/result.h"
 #include "morgagni/render/internal/camera_uniforms.h"
 #include "morgagni/render/internal/gl_objects.h"
 #include "morgagni/render/internal/gl_structure.h"
-#include "morgagni/render/internal/pixel_box.h"
 
 namespace mor::internal {
-
-/// A part of the picture with what is drawn there, to be laid over the camera's pixels.
-struct Layer {
-  PixelBox box;
-  std::vector<Rgba8> pixels;  ///< Row by row from the top, premultiplied by alpha.
-
-  [[nodiscard]] const Rgba8* row(int y) const {
-    return pixels.data() + static_cast<std::size_t>(y - box.top) * box.width;
-  }
-};
 
 /// Draws surfaces with one fragment shader, the nearest one seen at each pixel.
 class LayerPass {
@@ -31,7 +18,11 @@ class LayerPass {
   [[nodiscard]] static Result<LayerPass> create(const char* fragment_text);
 
   /// Into the target that is begun. @param uniforms  Made for the box that the target stands for.
-  void draw(std::span<const GlStructure* const> structures, const CameraUniforms& uniforms) const;
+  /// @param opacity  Of the surfaces where they face the viewer; a thin wall that turns away is
+  /// denser.
+  void draw(std::span<const GlStructure* const> structures,
+            const CameraUniforms& uniforms,
+            float opacity) const;
 
  private:
   explicit LayerPass(GlProgram program);
@@ -45,7 +36,9 @@ class LayerPass {
   GLint max_radius_sq_;
   GLint depth_clip_;
   GLint depth_range_mm_;
+  GLint cut_plane_;
   GLint color_;
+  GLint opacity_;
 };
 
 }  // namespace mor::internal

@@ -11,6 +11,9 @@
 
 namespace mor {
 
+/// Beside the body, where table and air were: below all that a CT measures.
+inline constexpr std::int16_t kOutsideHu = -2048;
+
 /// A CT: voxels in Hounsfield units on a right-angled grid.
 struct Volume {
   std::array<int, 3> size{};                             ///< Voxels along x (fastest), y, z.

@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// Draws one picture of a case as the live view shows it, at the simulated camera's true pose:
+//
+//   draw_view CASE OUT.png CAMERA FRAME VIEW
+//
+// CAMERA is what follows `simulated:`, VIEW what POST /api/view takes. Says how long the picture
+// took, drawn again and again (median).
+#include <chrono>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "morgagni/camera/simulated_camera.h"
+#include "morgagni/core/files.h"
+#include "morgagni/core/image_png.h"
+#include "morgagni/core/statistics.h"
+#include "morgagni/session/scene_view.h"
+
+namespace mor {
+namespace {
+
+constexpr int kRepetitions = 15;
+
+template <class T>
+T value_or_exit(Result<T> result) {
+  if (result) return *std::move(result);
+  fmt::print(stderr, "{}\n", result.error().message);
+  std::exit(1);
+}
+
+void draw(const std::vector<std::string>& words) {
+  const Case body = value_or_exit(load_case(words[1]));
+  const auto skin = std::shared_ptr<const TriangleMesh>(body.skin, &body.skin->mesh);
+  const auto options = value_or_exit(SimulatedCameraOptions::parse(words[3]));
+  const auto camera = value_or_exit(SimulatedCamera::create(skin, options));
+  const auto frame_id = std::stoull(words[4]);
+  const auto frame = camera->frame_at(frame_id);
+  const auto view = value_or_exit(changed(first_view(body), words[5]));
+  const auto overlay =
+      overlay_view(*frame, camera->ct_from_camera(frame_id), std::nullopt, view, /*is_still=*/true);
+  const auto renderer = value_or_exit(OverlayRenderer::create(scene_of(body)));
+  std::vector<double> times_ms;
+  ImageView<const Rgba8> picture;
+  for (int i = 0; i < kRepetitions; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    picture = value_or_exit(renderer->render(frame->color.view(), overlay));
+    times_ms.push_back(
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+            .count());
+  }
+  const auto bytes = encode_png(picture);
+  if (const auto written = write_file(words[2], bytes); !written) {
+    fmt::print(stderr, "{}\n", written.error().message);
+    std::exit(1);
+  }
+  fmt::print("{}: {:.1f} ms, {} kB\n", words[2], quantile(times_ms, 0.5), bytes.size() / 1000);
+}
+
+}  // namespace
+}  // namespace mor
+
+int main(int argc, char** argv) {
+  if (argc != 6) {
+    fmt::print(stderr, "usage: draw_view CASE OUT.png CAMERA FRAME VIEW\n");
+    return 2;
+  }
+  mor::draw({argv, argv + argc});
+}

@@ -1,0 +1,449 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/render/internal/ray_caster.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <tbb/parallel_for.h>
+
+#include "morgagni/render/internal/fragments.h"
+#include "morgagni/render/internal/lanes.h"
+
+namespace mor::internal {
+namespace {
+
+constexpr float kEnough = 0.98F;         ///< Opacity at which a ray ends.
+constexpr float kLeastOpacity = 0.002F;  ///< Of a sample worth lighting.
+constexpr float kDense = 0.20F;          ///< Opacity of a sample that belongs to a surface.
+constexpr float kGradientVoxels = 1.0F;  ///< Between a sample and those that say where it faces.
+constexpr float kFlatHuPerMm = 15.0F;    ///< Weaker gradients are noise: lit from all sides,
+constexpr float kSteepHuPerMm = 80.0F;   ///< stronger ones are surfaces.
+constexpr float kFlatLight = 0.80F;
+constexpr float kAmbient = 0.16F;
+constexpr float kFacing = 0.56F;
+constexpr float kKey = 0.45F;
+constexpr float kEdgeLight = 0.35F;  ///< Of the light, where a surface turns away.
+constexpr std::array<float, 3> kKeyLight = {-0.40F, -0.66F, -0.64F};  ///< As structure.frag.glsl.
+constexpr float kFarLight = 0.62F;  ///< Of the light, at the far end of the body.
+
+struct Point {
+  Floats x, y, z;
+};
+
+/// Everything that all rays of a picture share.
+struct Scene {
+  const std::int16_t* voxels;
+  std::array<int, 3> size;
+  std::array<int, 3> bricks;
+  const std::uint8_t* distances;
+  const float* opacity;
+  const float* opacity_sum;
+  float surface_entry;
+  const std::uint32_t* colors;
+  std::array<float, 3> eye;             ///< In voxels.
+  Eigen::Matrix3f voxels_from_ray;      ///< Voxels a mm of z, of (x/z, y/z, 1).
+  Eigen::Matrix3f color_from_gradient;  ///< HU a voxel in the grid to HU a mm in the colour frame.
+  float step_mm;
+  float nearest_mm;
+  float farthest_mm;
+};
+
+struct Rays {
+  Point voxels_per_mm;
+  Point mm_per_voxel;
+  Point towards;               ///< x/z, y/z, 1 over its length: unit vector, colour frame.
+  Floats first_mm;             ///< z of the first sample,
+  Floats last_mm;              ///< and where the ray leaves the volume.
+  Floats step_mm;              ///< Between two samples, in z.
+  Ints next{};                 ///< Number of the sample to come.
+  Ints last_entry{};           ///< Of the sample before, in the transfer table; of no use
+  Ints is_stale = Ints{} - 1;  ///< where a ray comes from a leap.
+  Floats light{};              ///< Of the surface that a ray went in by,
+  Ints is_inside{};            ///< as long as it is inside.
+  Floats red{}, green{}, blue{}, opacity{};
+};
+
+Floats interpolated(const Scene& scene, const Point& at) {
+  const Floats x = clamped(at.x, Floats{}, all(static_cast<float>(scene.size[0]) - 1.001F));
+  const Floats y = clamped(at.y, Floats{}, all(static_cast<float>(scene.size[1]) - 1.001F));
+  const Floats z = clamped(at.z, Floats{}, all(static_cast<float>(scene.size[2]) - 1.001F));
+  const Ints left = whole(x);
+  const Ints front = whole(y);
+  const Ints below = whole(z);
+  const Floats u = x - real(left);
+  const Floats v = y - real(front);
+  const Floats w = z - real(below);
+  const int row = scene.size[0];
+  const int slice = scene.size[0] * scene.size[1];
+  const Ints corner = below * slice + front * row + left;
+  // Two voxels of a row in each read.
+  const auto pair = [&](int offset) {
+    const Ints both = gather<2>(scene.voxels, corner + offset);
+    const Floats first = real((both << 16) >> 16);
+    const Floats second = real(both >> 16);
+    return first + (second - first) * u;
+  };
+  const Floats near = pair(0) + (pair(row) - pair(0)) * v;
+  const Floats lower_back = pair(slice);
+  const Floats far = lower_back + (pair(slice + row) - lower_back) * v;
+  return near + (far - near) * w;
+}
+
+/// How bright a sample is from where it faces.
+Floats light_of(const Scene& scene, const Rays& rays, const Point& at, Floats depth_mm) {
+  // Four corners of a cube around it, not six faces: two thirds of the reads.
+  const auto beside = [&](float dx, float dy, float dz) {
+    return interpolated(
+        scene,
+        {at.x + dx * kGradientVoxels, at.y + dy * kGradientVoxels, at.z + dz * kGradientVoxels});
+  };
+  const Floats a = beside(1, -1, -1);
+  const Floats b = beside(-1, -1, 1);
+  const Floats c = beside(-1, 1, -1);
+  const Floats d = beside(1, 1, 1);
+  constexpr float kShare = 0.25F / kGradientVoxels;
+  const Floats gx = (a - b - c + d) * kShare;
+  const Floats gy = (c + d - a - b) * kShare;
+  const Floats gz = (b + d - a - c) * kShare;
+  const Eigen::Matrix3f& m = scene.color_from_gradient;
+  const Floats x = m(0, 0) * gx + m(0, 1) * gy + m(0, 2) * gz;
+  const Floats y = m(1, 0) * gx + m(1, 1) * gy + m(1, 2) * gz;
+  const Floats z = m(2, 0) * gx + m(2, 1) * gy + m(2, 2) * gz;
+  const Floats length = square_root(x * x + y * y + z * z) + 1e-3F;
+  // The gradient points into what is denser; its surface faces the other way.
+  const Floats to_viewer = (x * rays.towards.x + y * rays.towards.y + z * rays.towards.z) / length;
+  const Floats key = -(x * kKeyLight[0] + y * kKeyLight[1] + z * kKeyLight[2]) / length;
+  const Floats side = to_viewer < 0.0F ? all(-1.0F) : all(1.0F);
+  const Floats facing = magnitude(to_viewer);
+  const Floats edge = least(kEdgeLight + (1.0F - kEdgeLight) * 2.0F * facing, all(1.0F));
+  const Floats lit = (kAmbient + kFacing * facing + kKey * most(key * side, Floats{})) * edge;
+  const Floats steep =
+      clamped((length - kFlatHuPerMm) / (kSteepHuPerMm - kFlatHuPerMm), Floats{}, all(1.0F));
+  const Floats far = clamped(
+      (depth_mm - scene.nearest_mm) / (scene.farthest_mm - scene.nearest_mm), Floats{}, all(1.0F));
+  return (kFlatLight + (lit - kFlatLight) * steep) * (1.0F + (kFarLight - 1.0F) * far);
+}
+
+/// z at which each ray leaves the cube of transparent bricks around its own.
+Floats end_of_leap(const Rays& rays,
+                   const Scene& scene,
+                   const std::array<Ints, 3>& brick,
+                   Ints distance) {
+  constexpr float kSide = VolumeBricks::kCells;
+  const auto exit = [&](Ints own, Floats per_mm, Floats mm_per_voxel, float eye) {
+    const Ints border = per_mm > 0.0F ? own + distance : own - distance + 1;
+    const Floats at_mm = (real(border) * kSide - eye) * mm_per_voxel;
+    return magnitude(per_mm) < 1e-6F ? all(kNoDepth) : at_mm;
+  };
+  return least(exit(brick[0], rays.voxels_per_mm.x, rays.mm_per_voxel.x, scene.eye[0]),
+               least(exit(brick[1], rays.voxels_per_mm.y, rays.mm_per_voxel.y, scene.eye[1]),
+                     exit(brick[2], rays.voxels_per_mm.z, rays.mm_per_voxel.z, scene.eye[2])));
+}
+
+Ints entry_at(const Scene& scene, const Point& at) {
+  const Floats hu =
+      clamped(interpolated(scene, at), all(TransferTable::kLeastHu), all(TransferTable::kMostHu));
+  return whole(hu - static_cast<float>(TransferTable::kLeastHu) + 0.5F);
+}
+
+Point place_at(const Scene& scene, const Rays& rays, Floats depth_mm) {
+  return {scene.eye[0] + depth_mm * rays.voxels_per_mm.x,
+          scene.eye[1] + depth_mm * rays.voxels_per_mm.y,
+          scene.eye[2] + depth_mm * rays.voxels_per_mm.z};
+}
+
+void add_samples(const Scene& scene, Rays& rays, const Point& at, Floats depth_mm, Ints taken) {
+  const Ints entry = entry_at(scene, at);
+  Ints before = rays.last_entry;
+  if (any(taken & rays.is_stale)) {
+    const Ints missed = entry_at(scene, place_at(scene, rays, depth_mm - rays.step_mm));
+    before = rays.is_stale ? missed : before;
+  }
+  rays.last_entry = taken ? entry : rays.last_entry;
+  rays.is_stale = rays.is_stale & ~taken;
+  const Floats here = gather_floats(scene.opacity, entry);
+  const Ints between = entry - before;
+  const Floats sum =
+      gather_floats(scene.opacity_sum, entry) - gather_floats(scene.opacity_sum, before);
+  const Floats mean = sum / real(between == 0 ? Ints{} + 1 : between);
+  Floats opacity = between == 0 ? here : mean;
+  opacity = taken ? opacity : Floats{};
+  if (!any(opacity > kLeastOpacity)) {
+    rays.is_inside = taken ? Ints{} : rays.is_inside;
+    return;
+  }
+  const Ints is_dense = opacity > kDense;
+  const Ints goes_on = is_dense & rays.is_inside;
+  Floats light = rays.light;
+  if (any((opacity > kLeastOpacity) & ~goes_on)) {
+    // Lit where the surface is, not where the sample happens to be behind it: else there are rings.
+    const Floats own = real(entry);
+    const Floats last = real(before);
+    const Ints comes_in = (last < scene.surface_entry) & (own > scene.surface_entry);
+    const Floats back = (own - scene.surface_entry) / (comes_in ? own - last : all(1.0F));
+    const Floats lit_mm = comes_in ? depth_mm - back * rays.step_mm : depth_mm;
+    const Floats fresh = light_of(scene, rays, place_at(scene, rays, lit_mm), lit_mm);
+    light = goes_on ? light : fresh;
+  }
+  rays.light = light;
+  rays.is_inside = taken ? is_dense : rays.is_inside;
+  const Floats there = gather_floats(scene.opacity, before);
+  const Ints color = gather<4>(scene.colors, here < there ? before : entry);
+  const Floats share = opacity * (1.0F - rays.opacity);
+  const Floats weight = share * light;
+  rays.red += weight * real(color & 255);
+  rays.green += weight * real((color >> 8) & 255);
+  rays.blue += weight * real((color >> 16) & 255);
+  rays.opacity += share;
+}
+
+/// Goes on until each ray has come to its limit or lets nothing through.
+void march(const Scene& scene, Rays& rays, Floats limit_mm) {
+  for (;;) {
+    const Floats depth_mm = rays.first_mm + real(rays.next) * rays.step_mm;
+    const Ints active = (depth_mm < limit_mm) & (rays.opacity < kEnough);
+    if (!any(active)) return;
+    const Point at = place_at(scene, rays, depth_mm);
+    const auto brick_of = [](Floats place, int count) {
+      const Floats brick = place * (1.0F / VolumeBricks::kCells);
+      return whole(clamped(brick, Floats{}, all(static_cast<float>(count) - 1.0F)));
+    };
+    const std::array<Ints, 3> brick = {brick_of(at.x, scene.bricks[0]),
+                                       brick_of(at.y, scene.bricks[1]),
+                                       brick_of(at.z, scene.bricks[2])};
+    const Ints index = (brick[2] * scene.bricks[1] + brick[1]) * scene.bricks[0] + brick[0];
+    const Ints distance = gather<1>(scene.distances, index) & 255;
+    const Ints seen = active & (distance == 0);
+    if (any(seen)) add_samples(scene, rays, at, depth_mm, seen);
+    Ints next = rays.next + 1;
+    const Ints leaps = active & (distance > 0);
+    if (any(leaps)) {
+      const Floats end_mm = least(end_of_leap(rays, scene, brick, distance), limit_mm);
+      const Ints landing = whole((end_mm - rays.first_mm) / rays.step_mm - 1e-3F) + 1;
+      next = leaps & (landing > next) ? landing : next;
+      rays.is_stale |= leaps;
+    }
+    rays.next = active ? next : rays.next;
+  }
+}
+
+void add_fragment(Rays& rays, int lane, const Fragment& fragment) {
+  const float left = 1.0F - rays.opacity[lane];
+  rays.red[lane] += left * fragment.color.r;
+  rays.green[lane] += left * fragment.color.g;
+  rays.blue[lane] += left * fragment.color.b;
+  rays.opacity[lane] += left * fragment.color.a / 255.0F;
+}
+
+Rgba8 color_of(const Rays& rays, int lane) {
+  const auto byte = [](float value) {
+    return static_cast<std::uint8_t>(std::clamp(value + 0.5F, 0.0F, 255.0F));
+  };
+  return {byte(rays.red[lane]),
+          byte(rays.green[lane]),
+          byte(rays.blue[lane]),
+          byte(rays.opacity[lane] * 255.0F)};
+}
+
+/// The part of each ray that is within the volume. @param x, y  Of (x/z, y/z).
+Rays enter(const Scene& scene, Floats x, Floats y) {
+  Rays rays;
+  const Eigen::Matrix3f& m = scene.voxels_from_ray;
+  rays.voxels_per_mm = {m(0, 0) * x + m(0, 1) * y + m(0, 2),
+                        m(1, 0) * x + m(1, 1) * y + m(1, 2),
+                        m(2, 0) * x + m(2, 1) * y + m(2, 2)};
+  const Floats length = square_root(x * x + y * y + 1.0F);
+  rays.towards = {x / length, y / length, 1.0F / length};
+  rays.step_mm = scene.step_mm / length;
+  rays.first_mm = all(1.0F);
+  rays.last_mm = all(kNoDepth);
+  const auto clip = [&](Floats per_mm, float eye, int count) {
+    const Floats safe = magnitude(per_mm) < 1e-6F ? all(1e-6F) : per_mm;
+    const Floats inverse = 1.0F / safe;
+    const Floats a = -eye * inverse;
+    const Floats b = (static_cast<float>(count - 1) - eye) * inverse;
+    rays.first_mm = most(rays.first_mm, least(a, b));
+    rays.last_mm = least(rays.last_mm, most(a, b));
+    return inverse;
+  };
+  rays.mm_per_voxel.x = clip(rays.voxels_per_mm.x, scene.eye[0], scene.size[0]);
+  rays.mm_per_voxel.y = clip(rays.voxels_per_mm.y, scene.eye[1], scene.size[1]);
+  rays.mm_per_voxel.z = clip(rays.voxels_per_mm.z, scene.eye[2], scene.size[2]);
+  return rays;
+}
+
+/// What is on the camera's side of the plane is not there.
+void cut_away(const Eigen::Hyperplane<double, 3>& plane, Floats x, Floats y, Rays& rays) {
+  const Eigen::Vector3f normal = plane.normal().cast<float>();
+  const auto offset = static_cast<float>(plane.offset());
+  const Floats slope = normal.x() * x + normal.y() * y + normal.z();
+  const Floats safe = magnitude(slope) < 1e-6F ? all(1e-6F) : slope;
+  const Floats meets_mm = -offset / safe;
+  rays.first_mm = meets_mm > 0.0F ? most(rays.first_mm, meets_mm) : all(kNoDepth);
+}
+
+Scene scene_of(const Volume& volume, const Eigen::Isometry3d& color_from_ct) {
+  Scene scene{};
+  scene.voxels = volume.hu.data();
+  scene.size = volume.size;
+  const Eigen::Isometry3d grid_from_color = (color_from_ct * volume.ct_from_grid).inverse();
+  const Eigen::Vector3d per_mm = volume.spacing_mm.cwiseInverse();
+  const Eigen::Vector3d eye = grid_from_color.translation().cwiseProduct(per_mm);
+  for (int axis = 0; axis < 3; ++axis) {
+    scene.eye[static_cast<std::size_t>(axis)] = static_cast<float>(eye[axis]);
+  }
+  scene.voxels_from_ray = (per_mm.asDiagonal() * grid_from_color.linear()).cast<float>();
+  scene.color_from_gradient =
+      (grid_from_color.linear().transpose() * per_mm.asDiagonal()).cast<float>();
+  scene.nearest_mm = kNoDepth;
+  scene.farthest_mm = -kNoDepth;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d voxel((corner & 1) * (volume.size[0] - 1),
+                                (corner >> 1 & 1) * (volume.size[1] - 1),
+                                (corner >> 2 & 1) * (volume.size[2] - 1));
+    const Eigen::Vector3d place = grid_from_color.inverse() * voxel.cwiseProduct(volume.spacing_mm);
+    scene.nearest_mm = std::min(scene.nearest_mm, static_cast<float>(place.z()));
+    scene.farthest_mm = std::max(scene.farthest_mm, static_cast<float>(place.z()) + 1.0F);
+  }
+  return scene;
+}
+
+/// Eight pixels of a row, `stride_px` apart.
+std::array<Rgba8, kNumLanes> cast_packet(const Scene& scene,
+                                         const RayBundle& bundle,
+                                         const std::array<int, kNumLanes>& columns,
+                                         int row) {
+  Floats x{};
+  Floats y{};
+  Ints open{};
+  std::array<Fragments, kNumLanes> fragments;
+  for (int lane = 0; lane < kNumLanes; ++lane) {
+    const int column = columns[static_cast<std::size_t>(lane)];
+    const Eigen::Vector2f& ray = bundle.rays->row(row)[column];
+    x[lane] = ray.x();
+    y[lane] = ray.y();
+    open[lane] = !bundle.is_open || bundle.is_open(column, row) ? -1 : 0;
+    if (open[lane] != 0) {
+      fragments[static_cast<std::size_t>(lane)].gather(bundle.layers, column, row);
+    }
+  }
+  if (!any(open)) return {};
+  Rays rays = enter(scene, x, y);
+  if (bundle.cut) cut_away(*bundle.cut, x, y, rays);
+  if (bundle.grid != nullptr && bundle.skin_mm > 0.0F) {
+    for (int lane = 0; lane < kNumLanes; ++lane) {
+      const float skin_mm = bundle.grid->skin_at({x[lane], y[lane]});
+      if (skin_mm > 0.0F) {
+        rays.first_mm[lane] = std::max(rays.first_mm[lane], skin_mm + bundle.skin_mm);
+      }
+    }
+  }
+  rays.first_mm = open ? rays.first_mm + 0.5F * rays.step_mm : all(kNoDepth);
+  std::array<int, kNumLanes> next{};
+  for (bool is_more = true; is_more;) {
+    Floats limit_mm = rays.last_mm;
+    for (int lane = 0; lane < kNumLanes; ++lane) {
+      const auto i = static_cast<std::size_t>(lane);
+      if (next[i] < fragments[i].size()) {
+        limit_mm[lane] = std::min(limit_mm[lane], fragments[i][next[i]].depth_mm);
+      }
+    }
+    march(scene, rays, limit_mm);
+    is_more = false;
+    for (int lane = 0; lane < kNumLanes; ++lane) {
+      const auto i = static_cast<std::size_t>(lane);
+      if (next[i] >= fragments[i].size()) continue;
+      add_fragment(rays, lane, fragments[i][next[i]++]);
+      is_more = true;
+    }
+  }
+  std::array<Rgba8, kNumLanes> result;
+  for (int lane = 0; lane < kNumLanes; ++lane) {
+    result[static_cast<std::size_t>(lane)] = color_of(rays, lane);
+  }
+  return result;
+}
+
+/// Between the pixels that have a ray.
+void interpolate(const std::vector<Rgba8>& coarse, int coarse_width, int stride, Layer& seen) {
+  const PixelBox& box = seen.box;
+  tbb::parallel_for(0, box.height, [&](int y) {
+    const Rgba8* upper = coarse.data() + static_cast<std::size_t>(y / stride) * coarse_width;
+    const Rgba8* lower = upper + coarse_width;
+    const int down = y % stride;
+    Rgba8* row = seen.pixels.data() + static_cast<std::size_t>(y) * box.width;
+    for (int x = 0; x < box.width; ++x) {
+      const int column = x / stride;
+      const int right = x % stride;
+      const auto mixed = [&](std::uint8_t Rgba8::*channel) {
+        const int above =
+            upper[column].*channel * (stride - right) + upper[column + 1].*channel * right;
+        const int below =
+            lower[column].*channel * (stride - right) + lower[column + 1].*channel * right;
+        return static_cast<std::uint8_t>((above * (stride - down) + below * down) /
+                                         (stride * stride));
+      };
+      row[x] = {mixed(&Rgba8::r), mixed(&Rgba8::g), mixed(&Rgba8::b), mixed(&Rgba8::a)};
+    }
+  });
+}
+
+float step_of(const Volume& volume) {
+  return static_cast<float>(volume.spacing_mm.minCoeff());
+}
+
+}  // namespace
+
+RayCaster::RayCaster(std::shared_ptr<const Volume> volume)
+    : volume_(std::move(volume)), bricks_(*volume_), step_mm_(step_of(*volume_)) {}
+
+void RayCaster::set(const VolumeView& view) {
+  if (view_ && view_->preset == view.preset && view_->level_hu == view.level_hu &&
+      view_->window_hu == view.window_hu) {
+    return;
+  }
+  view_ = view;
+  table_ = make_transfer_table(view, step_mm_);
+  distances_ = bricks_.distances_to_seen(table_);
+  distances_.resize(distances_.size() + sizeof(std::int32_t));  // Read four at a time.
+}
+
+void RayCaster::cast(const RayBundle& bundle, Layer& seen) const {
+  Scene scene = scene_of(*volume_, bundle.color_from_ct);
+  scene.bricks = bricks_.size();
+  scene.distances = distances_.data();
+  scene.opacity = table_.opacity.data();
+  scene.opacity_sum = table_.opacity_sum.data();
+  scene.surface_entry = table_.surface_entry;
+  scene.colors = table_.colors.data();
+  scene.step_mm = step_mm_;
+  const PixelBox& box = seen.box;
+  const int stride = bundle.stride_px;
+  // One more than fits, so that each pixel lies between two.
+  const int width = (box.width - 1) / stride + (stride > 1 ? 2 : 1);
+  const int height = (box.height - 1) / stride + (stride > 1 ? 2 : 1);
+  std::vector<Rgba8> coarse(static_cast<std::size_t>(width) * height);
+  tbb::parallel_for(0, height, [&](int y) {
+    const int row = std::min(box.top + y * stride, box.top + box.height - 1);
+    for (int first = 0; first < width; first += kNumLanes) {
+      std::array<int, kNumLanes> columns{};
+      for (int lane = 0; lane < kNumLanes; ++lane) {
+        columns[static_cast<std::size_t>(lane)] =
+            std::min(box.left + (first + lane) * stride, box.left + box.width - 1);
+      }
+      const auto colors = cast_packet(scene, bundle, columns, row);
+      std::copy_n(colors.begin(),
+                  std::min(kNumLanes, width - first),
+                  coarse.begin() + static_cast<std::ptrdiff_t>(y) * width + first);
+    }
+  });
+  if (stride == 1) {
+    seen.pixels = std::move(coarse);
+  } else {
+    interpolate(coarse, width, stride, seen);
+  }
+}
+
+}  // namespace mor::internal

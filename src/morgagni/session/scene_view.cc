@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/session/scene_view.h"
+
+#include <algorithm>
+
+namespace mor {
+namespace {
+
+/// The CT skin can be shown as glass over what is inside.
+constexpr const char* kSkinName = "skin";
+const Eigen::Vector3f kSkinColor(0.88F, 0.68F, 0.56F);
+constexpr float kSkinOpacity = 0.25F;
+
+bool has_structure(const Case& body, const std::string& name) {
+  return std::any_of(body.structures.begin(), body.structures.end(), [&](const Structure& s) {
+    return s.name == name;
+  });
+}
+
+}  // namespace
+
+RenderScene scene_of(const Case& body) {
+  RenderScene scene;
+  for (const auto& [name, color, mesh] : body.structures) {
+    scene.structures.push_back({name, mesh, color});
+  }
+  if (!has_structure(body, kSkinName)) {
+    scene.structures.push_back({kSkinName, body.skin->mesh, kSkinColor});
+  }
+  scene.skin = body.skin->mesh;
+  scene.volume = body.volume;
+  return scene;
+}
+
+ViewSettings first_view(const Case& body) {
+  ViewSettings view;
+  for (const auto& structure : body.structures) view.structures[structure.name] = {true, 1.0F};
+  view.structures.try_emplace(kSkinName, StructureLook{false, kSkinOpacity});
+  view.has_ct = body.volume != nullptr;
+  return view;
+}
+
+OverlayView overlay_view(const RgbdFrame& frame,
+                         const std::optional<Eigen::Isometry3d>& ct_from_depth,
+                         const std::optional<Eigen::Isometry3d>& ct_from_ghost,
+                         const ViewSettings& view,
+                         bool is_still) {
+  const auto& [depth_camera, color_camera, color_from_depth] = *frame.calibration;
+  OverlayView overlay;
+  overlay.color_camera = color_camera;
+  overlay.opacity = view.opacity;
+  overlay.hole = view.hole;
+  overlay.slice = view.slice;
+  overlay.volume = view.volume;
+  overlay.is_still = is_still;
+  if (ct_from_depth) overlay.color_from_ct = color_from_depth * ct_from_depth->inverse();
+  if (ct_from_ghost) overlay.color_from_ghost = color_from_depth * ct_from_ghost->inverse();
+  for (const auto& [name, look] : view.structures) {
+    overlay.structure_opacity[name] = look.is_shown ? look.opacity : 0.0F;
+  }
+  if (view.keeps_hands_in_front) {
+    overlay.measured = {frame.depth_mm.view(), depth_camera, color_from_depth};
+  }
+  return overlay;
+}
+
+}  // namespace mor

@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Geometry>
+
+#include "morgagni/camera/range_camera.h"
+#include "morgagni/casefile/case.h"
+#include "morgagni/render/overlay_renderer.h"
+#include "morgagni/session/view_settings.h"
+
+namespace mor {
+
+/// What of a case the renderer draws: its structures, its skin, its CT.
+[[nodiscard]] RenderScene scene_of(const Case& body);
+
+/// The view that a case begins with: all its structures but the skin, in a hole in the middle.
+[[nodiscard]] ViewSettings first_view(const Case& body);
+
+/// What the user wants to see, on this frame at this pose.
+/// @param frame  Must outlive the result, which looks at its depth picture.
+/// @param is_still  The picture is frozen: drawn as well as can be, however long that takes.
+[[nodiscard]] OverlayView overlay_view(const RgbdFrame& frame,
+                                       const std::optional<Eigen::Isometry3d>& ct_from_depth,
+                                       const std::optional<Eigen::Isometry3d>& ct_from_ghost,
+                                       const ViewSettings& view,
+                                       bool is_still);
+
+}  // namespace mor
