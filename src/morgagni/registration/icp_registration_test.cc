@@ -162,6 +162,17 @@ TEST_P(IcpOnOpencl, RefusesAStartTwoMetersOff) {
   EXPECT_TRUE(result.fixed_from_moving.isApprox(start, 1e-12));
 }
 
+TEST_P(IcpOnOpencl, IsChosenByAPartOfItsNameAndNoOther) {
+  options_.device = registration_->device_name().substr(1);
+  EXPECT_EQ(make_icp_registration(body(), options_).value()->device_name(),
+            registration_->device_name());
+  options_.device = "Voodoo 2";
+  const auto refused = make_icp_registration(body(), options_);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(refused.error().message, HasSubstr(registration_->device_name()));
+}
+
 INSTANTIATE_TEST_SUITE_P(Icp, IcpOnOpencl, testing::ValuesIn(methods()), name_of);
 
 /// A device and its failures: everything works so many times, then nothing does.
