@@ -55,9 +55,9 @@ class BodySurfaceExtractor {
   [[nodiscard]] Result<BodySurface> extract(ImageView<const std::uint16_t> depth_mm,
                                             std::optional<Eigen::Vector2d> seed_px = std::nullopt);
 
-  /// The same where about is known where the body is: keeps the part of the picture on which the
-  /// most of `expected` lie, so that neither a hand before the body nor a lone reading is taken for
-  /// it.
+  /// The same where about is known where the body is: keeps the parts of the picture on which most
+  /// of `expected` lie, so that neither a hand before the body nor a lone reading is taken for it,
+  /// and an arm across it does not cut half of it off.
   /// @param expected  Places of the body's surface, frame depth, mm; right to some centimetres.
   ///        Where none lies on anything: grows from the picture's centre.
   [[nodiscard]] Result<BodySurface> extract(ImageView<const std::uint16_t> depth_mm,

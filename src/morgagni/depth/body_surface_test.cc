@@ -162,29 +162,39 @@ TEST(BodySurface, GrowsFromWhereTheBodyIsExpected) {
             4000U);
 }
 
-TEST(BodySurface, KeepsThePartOnWhichMostExpectedPlacesLie) {
-  // A body to the left, a hand in the middle and nearer, a lone reading to the right.
+TEST(BodySurface, KeepsThePartsOnWhichMostExpectedPlacesLie) {
+  // A body cut in two by an arm before it, and a lone reading beside it.
   DepthImage image(kKinect.width_px, kKinect.height_px);
   for (int y = 100; y < 400; ++y) {
-    for (int x = 50; x < 300; ++x) image(x, y) = 800;
-    for (int x = 250; x < 400; ++x) image(x, y) = 600;
+    for (int x = 50; x < 550; ++x) image(x, y) = x < 250 || x >= 400 ? 800 : 600;
   }
-  image(500, 200) = 800;
-  auto extractor = *BodySurfaceExtractor::create(kKinect, {});
-  const auto first_depth_mm = [&](std::vector<Eigen::Vector2d> pixels, double z_mm) {
+  image(600, 200) = 800;
+  auto extractor = *BodySurfaceExtractor::create(kKinect, {.down_sampling = 1.0});
+  const auto num_points = [&](int left, int arm, int right, int lone, double z_mm) {
     std::vector<Eigen::Vector3d> places;
-    for (const auto& pixel : pixels)
-      places.push_back(z_mm * Eigen::Vector3d(kKinect.ray(pixel).homogeneous()));
-    const auto surface = *extractor.extract(image.view(), places);
-    return surface.cloud.empty() ? 0.0F : surface.cloud.points.front().z();
+    const auto add = [&](int count, double x) {
+      for (int i = 0; i < count; ++i) {
+        places.push_back(z_mm * Eigen::Vector3d(kKinect.ray({x, 200.0 + i}).homogeneous()));
+      }
+    };
+    add(left, 100.0);
+    add(arm, 320.0);
+    add(right, 450.0);
+    add(lone, 600.0);
+    add(5, -9.0);
+    add(5, 900.0);
+    return extractor.extract(image.view(), places)->cloud.size();
   };
-  EXPECT_EQ(first_depth_mm({{100.0, 200.0}, {200.0, 300.0}, {320.0, 240.0}, {500.0, 200.0}}, 810.0),
-            800.0F);
-  EXPECT_EQ(first_depth_mm({{300.0, 200.0}, {320.0, 240.0}, {100.0, 200.0}}, 630.0), 600.0F);
-  // Where nothing is as expected, behind the camera or beside the picture: from the centre.
-  EXPECT_EQ(first_depth_mm({{100.0, 200.0}, {-9.0, 200.0}, {900.0, 200.0}}, 200.0), 600.0F);
-  EXPECT_EQ(first_depth_mm({{100.0, 200.0}}, -800.0), 600.0F);
-  EXPECT_EQ(first_depth_mm({}, 800.0), 600.0F);
+  constexpr std::size_t kLeft = 300U * 200U;
+  constexpr std::size_t kArm = 300U * 150U;
+  constexpr std::size_t kRight = 300U * 150U;
+  EXPECT_EQ(num_points(30, 10, 0, 1, 810.0), kLeft);
+  EXPECT_EQ(num_points(30, 10, 15, 1, 790.0), kLeft + kRight);
+  EXPECT_EQ(num_points(30, 10, 15, 1, 630.0), kArm);
+  // Where nothing is as expected, or behind the camera: from the centre, which the arm holds.
+  EXPECT_EQ(num_points(30, 10, 15, 1, 200.0), kArm);
+  EXPECT_EQ(num_points(30, 10, 15, 1, -800.0), kArm);
+  EXPECT_EQ(num_points(0, 0, 0, 0, 800.0), kArm);
 }
 
 TEST(BodySurface, ConnectsAcrossADiagonalOnly) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -40,7 +41,16 @@ enum class RegistrationStatus : std::uint8_t {
   kConverged,
   kMaxIterations,
   kTooFewPairs,
-  kDegenerate
+  kDegenerate,  ///< The data leaves a direction open: the start's word was taken for it.
+};
+
+/// A motion of the pose that the data does not fix.
+struct OpenDirection {
+  /// A turn about the information's pivot and a shift with it, frame fixed, of such a size that the
+  /// points move by about 1 mm, root mean square.
+  Eigen::Vector3d rotation_rad = Eigen::Vector3d::Zero();
+  Eigen::Vector3d shift_mm = Eigen::Vector3d::Zero();
+  double sigma_mm = 0.0;  ///< Standard deviation along it by the data alone.
 };
 
 struct RegistrationResult {
@@ -50,9 +60,13 @@ struct RegistrationResult {
       0.0;  ///< Residual over the pairs used. The paper calls it FRE; it is no FRE.
   double explained_fraction =
       0.0;  ///< Share of the moving points within 5 mm of the fixed surface, 0..1.
+  /// Share of them farther than that below it: the camera cannot see through skin, so there pose or
+  /// CT is wrong. Of kField.
+  double seen_through_fraction = 0.0;
   int num_pairs = 0;
   int num_iterations = 0;                           ///< Steps done.
   std::optional<PoseInformation> information = {};  ///< Of methods that have one: kField.
+  std::vector<OpenDirection> open_directions = {};  ///< The widest first; of kField.
 };
 
 struct RegistrationOptions {

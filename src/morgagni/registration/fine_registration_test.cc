@@ -214,9 +214,80 @@ TEST(FieldRegistration, ReportsASphereAsDegenerateAndHoldsTheOpenDirections) {
   start.translation() += Eigen::Vector3d(4.0, -3.0, 5.0);
   const auto result = *registration->align(moving, start, StartQuality::kTracked);
   EXPECT_EQ(result.status, RegistrationStatus::kDegenerate);
+  EXPECT_EQ(result.open_directions.size(), 3U);
   const Eigen::Vector3d center_in_depth = truth.inverse() * Eigen::Vector3d::Zero();
   EXPECT_LT((result.fixed_from_moving * center_in_depth).norm(), 0.2);
   EXPECT_LT(rotation_angle_rad(result.fixed_from_moving * truth.inverse()), 3.0 * kDegree);
+}
+
+TEST(FieldRegistration, ReportsThatAPlaneMaySlideAndTurnInItself) {
+  auto surface = std::make_shared<FixedSurface>();
+  PointCloud moving;
+  constexpr std::uint32_t kSide = 61;
+  for (std::uint32_t y = 0; y < kSide; ++y) {
+    for (std::uint32_t x = 0; x < kSide; ++x) {
+      const Eigen::Vector3f p(5.0F * static_cast<float>(x), 5.0F * static_cast<float>(y), 0.0F);
+      surface->mesh.vertices.push_back(p);
+      if (x + 1 == kSide || y + 1 == kSide) continue;
+      const std::uint32_t a = kSide * y + x;
+      surface->mesh.triangles.push_back({a, a + kSide, a + 1});
+      surface->mesh.triangles.push_back({a + 1, a + kSide, a + kSide + 1});
+      if (std::min(x, y) < 10 || std::max(x, y) > 50) continue;
+      moving.points.push_back(p + Eigen::Vector3f(-150.0F, -150.0F, 600.0F));
+      moving.normals.push_back(-Eigen::Vector3f::UnitZ());
+    }
+  }
+  surface->mesh.normals = vertex_normals(surface->mesh);
+  surface->field = *DistanceField::build(surface->mesh);
+  Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
+  start.translation() = Eigen::Vector3d(150.0 + 3.0, 150.0 - 2.0, -600.0 - 4.0);
+  const auto result =
+      *(*make_fine_registration(surface, {}))->align(moving, start, StartQuality::kTracked);
+  EXPECT_EQ(result.status, RegistrationStatus::kDegenerate);
+  ASSERT_EQ(result.open_directions.size(), 3U);
+  for (const auto& open : result.open_directions) {
+    EXPECT_GT(open.sigma_mm, 3.0);
+    EXPECT_NEAR(open.shift_mm.z(), 0.0, 1e-3);
+    EXPECT_NEAR(open.rotation_rad.head<2>().norm(), 0.0, 1e-5);
+  }
+  // The closed direction is found, the open ones are left where they were.
+  EXPECT_NEAR(result.fixed_from_moving.translation().z(), -600.0, 0.05);
+  EXPECT_NEAR(result.fixed_from_moving.translation().x(), 153.0, 0.05);
+  EXPECT_NEAR(result.fixed_from_moving.translation().y(), 148.0, 0.05);
+}
+
+TEST(FieldRegistration, LooksUnderAThinClothThatLiesOnMostOfTheSkin) {
+  const auto registration = make(RegistrationMethod::kField);
+  const Eigen::Isometry3d truth = internal::camera_before_body();
+  PointCloud moving = internal::seen_by_camera(body()->mesh, truth);
+  int num_covered = 0;
+  for (auto& point : moving.points) {
+    if (std::abs(point.y() - 5.0F) > 62.0F) continue;
+    point -= 5.0F * point.normalized();
+    ++num_covered;
+  }
+  ASSERT_GT(num_covered, static_cast<int>(0.55 * static_cast<double>(moving.size())));
+  moving = with_noise(std::move(moving), 1.0F, 9);
+  for (const auto quality : {StartQuality::kRough, StartQuality::kTracked}) {
+    const auto result = *registration->align(moving, truth, quality);
+    EXPECT_LT(error_mm(result.fixed_from_moving, truth), 2.0);
+  }
+}
+
+TEST(FieldRegistration, TellsASkinThatItSeesThroughFromClutter) {
+  const auto registration = make(RegistrationMethod::kField);
+  const Eigen::Isometry3d truth = internal::camera_before_body();
+  PointCloud moving = internal::seen_by_camera(body()->mesh, truth);
+  for (std::size_t i = 0; i < moving.size(); i += 5) {
+    moving.points[i] += 9.0F * moving.points[i].normalized();
+  }
+  const auto through = *registration->align(moving, truth, StartQuality::kTracked);
+  EXPECT_GT(through.seen_through_fraction, 0.1);
+  for (std::size_t i = 0; i < moving.size(); i += 5) {
+    moving.points[i] -= 18.0F * moving.points[i].normalized();
+  }
+  const auto above = *registration->align(moving, truth, StartQuality::kTracked);
+  EXPECT_LT(above.seen_through_fraction, 0.02);
 }
 
 TEST(FieldRegistration, RefusesPointsWithoutNormals) {

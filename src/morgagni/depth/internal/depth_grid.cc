@@ -14,6 +14,8 @@ namespace {
 constexpr std::uint32_t kNoRun = std::numeric_limits<std::uint32_t>::max();
 /// A reading this far before or behind an expected place is something else.
 constexpr float kExpectedMm = 80.0F;
+/// A piece with fewer of the expected places than this share of the most is left out.
+constexpr double kShareOfMost = 0.15;
 
 /// Sets `bit` in `edges[i]` where points `i` and `i + step` are near each other, for `count` pixels
 /// from `first` on. A comparison with NaN is false, so pixels without reading have no edges.
@@ -137,10 +139,11 @@ void RegionGrower::label_pieces(const DepthGrid& grid, const std::vector<std::ui
   for (std::uint32_t run = 0; run < parent_.size(); ++run) parent_[run] = find_root(run);
 }
 
-std::size_t RegionGrower::mark(std::uint32_t piece, std::vector<std::uint8_t>& mask) const {
+std::size_t RegionGrower::mark(const std::vector<std::uint8_t>& wanted,
+                               std::vector<std::uint8_t>& mask) const {
   std::size_t count = 0;
   for (std::size_t i = 0; i < mask.size(); ++i) {
-    mask[i] = parent_[run_of_pixel_[i]] == piece ? 1 : 0;
+    mask[i] = wanted[parent_[run_of_pixel_[i]]];
     count += mask[i];
   }
   return count;
@@ -155,7 +158,9 @@ std::size_t RegionGrower::grow(const DepthGrid& grid,
   const auto seed = nearest_reading(grid, seed_x, seed_y);
   if (!seed) return 0;
   label_pieces(grid, edges);
-  return mark(parent_[run_of_pixel_[*seed]], mask);
+  std::vector<std::uint8_t> wanted(parent_.size(), 0);
+  wanted[parent_[run_of_pixel_[*seed]]] = 1;
+  return mark(wanted, mask);
 }
 
 std::size_t RegionGrower::grow(const DepthGrid& grid,
@@ -171,9 +176,13 @@ std::size_t RegionGrower::grow(const DepthGrid& grid,
     // Written so that a pixel without reading, NaN, has no vote.
     if (std::abs(grid.z[i] - place.z_mm) < kExpectedMm) ++votes[parent_[run_of_pixel_[i]]];
   }
-  const auto most = std::max_element(
-      votes.begin(), votes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  return most == votes.end() ? 0 : mark(most->first, mask);
+  int most = 0;
+  for (const auto& [piece, count] : votes) most = std::max(most, count);
+  std::vector<std::uint8_t> wanted(parent_.size(), 0);
+  for (const auto& [piece, count] : votes) {
+    wanted[piece] = count >= kShareOfMost * most ? 1 : 0;
+  }
+  return mark(wanted, mask);
 }
 
 }  // namespace mor::internal

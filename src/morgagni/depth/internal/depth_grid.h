@@ -49,8 +49,8 @@ class RegionGrower {
                    int seed_y,
                    std::vector<std::uint8_t>& mask);
 
-  /// The same from the piece that the most expected places lie on.
-  /// @return 0 when none lies on any.
+  /// The same from the pieces that expected places lie on: of the one with the most, and of any
+  /// with a fair share of that. @return 0 when none lies on any.
   std::size_t grow(const DepthGrid& grid,
                    const std::vector<std::uint8_t>& edges,
                    std::span<const Expected> expected,
@@ -63,7 +63,7 @@ class RegionGrower {
   void label_pieces(const DepthGrid& grid, const std::vector<std::uint8_t>& edges);
   void label_runs(const DepthGrid& grid, const std::vector<std::uint8_t>& edges);
   void join_rows(const DepthGrid& grid, const std::vector<std::uint8_t>& edges);
-  std::size_t mark(std::uint32_t piece, std::vector<std::uint8_t>& mask) const;
+  std::size_t mark(const std::vector<std::uint8_t>& wanted, std::vector<std::uint8_t>& mask) const;
 
   std::vector<std::uint32_t> run_of_pixel_;
   std::vector<std::uint32_t> parent_;

@@ -186,13 +186,14 @@ void Linearizer::find_pairs(const FieldLevel& level,
 }
 
 void Linearizer::weigh_by_rows(const SensorPoints& points, const PairingRule& rule) {
-  row_sums_mm_.resize(points.groups.size() * kLanes + 1);
+  row_sums_mm_.resize(pairs_.size() * kLanes + 1);
+  const Lanes above = Lanes{} + rule.above_scale_mm;
+  const Lanes below = Lanes{} - rule.below_scale_mm;
   std::size_t i = 0;
   double sum_mm = 0.0;
   for (const PairLanes& pair : pairs_) {
-    const Lanes above = Lanes{} + rule.above_scale_mm;
     const Lanes known = pair.distance_mm <= kUnknownMm ? above : pair.distance_mm;
-    const Lanes cut = min_of(max_of(known, Lanes{} - rule.below_scale_mm), above);
+    const Lanes cut = min_of(max_of(known, below), above);
     for (int lane = 0; lane < kLanes; ++lane) {
       row_sums_mm_[i++] = sum_mm;
       sum_mm += static_cast<double>(cut[lane]);
@@ -200,15 +201,20 @@ void Linearizer::weigh_by_rows(const SensorPoints& points, const PairingRule& ru
   }
   row_sums_mm_[i] = sum_mm;
   i = 0;
-  for (PairLanes& pair : pairs_) {
+  const Lanes per_above = Lanes{} + 1.0F / rule.row_above_scale;
+  const Lanes per_below = Lanes{} + 1.0F / rule.row_below_scale;
+  for (std::size_t g = 0; g < pairs_.size(); ++g) {
     Lanes mean_mm = {};
     for (int lane = 0; lane < kLanes && i < points.size; ++lane, ++i) {
       const RowReach& row = points.rows[i];
-      const auto sum =
-          static_cast<float>(row_sums_mm_[i + row.after + 1] - row_sums_mm_[i - row.before]);
-      mean_mm[lane] = sum / static_cast<float>(row.before + row.after + 1);
+      const double sum_of_row = row_sums_mm_[i + row.after + 1] - row_sums_mm_[i - row.before];
+      mean_mm[lane] =
+          static_cast<float>(sum_of_row) / static_cast<float>(row.before + row.after + 1);
     }
-    pair.weight *= tukey_weight(mean_mm, Lanes{} + 1.0F / rule.row_scale_mm);
+    const Lanes ratio = mean_mm * (mean_mm > 0.0F ? per_above : per_below);
+    // A point's weight is 1 / its variance.
+    const Lanes rest = max_of(1.0F - ratio * ratio * points.groups[g].weight, Lanes{});
+    pairs_[g].weight *= rest * rest;
   }
 }
 
@@ -218,7 +224,7 @@ NormalEquations Linearizer::linearize(const FieldLevel& level,
                                       const Eigen::Vector3d& pivot,
                                       const PairingRule& rule) {
   find_pairs(level, points, fixed_from_moving.cast<float>(), rule);
-  if (rule.row_scale_mm > 0.0F) weigh_by_rows(points, rule);
+  if (rule.row_above_scale > 0.0F) weigh_by_rows(points, rule);
   const Eigen::Vector3f pivot_mm = pivot.cast<float>();
   Sums sums;
   IntLanes num_pairs = {};

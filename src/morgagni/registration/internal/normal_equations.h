@@ -21,10 +21,12 @@ struct PairingRule {
   float above_scale_mm = 10.0F;
   float below_scale_mm = 10.0F;
   float min_normal_cosine = 0.5F;  ///< Between the normals of a pair.
-  /// Tukey's scale for the mean distance of a point and its neighbours in the picture's row; 0: not
-  /// looked at. A sensor's noise differs from point to point and averages out; the edge of a towel
-  /// or hand does not, so this scale can be far below the other one.
-  float row_scale_mm = 0.0F;
+  /// Tukey's scales for the mean distance of a point and its neighbours in the picture's row, in
+  /// standard deviations of a single reading; 0: not looked at. A sensor's noise differs from point
+  /// to point and averages out; the edge of a towel or hand does not, so these scales can be far
+  /// below the other ones.
+  float row_above_scale = 0.0F;
+  float row_below_scale = 0.0F;
 };
 
 /// One linearisation of the weighted squared point-to-plane distances about a pose:

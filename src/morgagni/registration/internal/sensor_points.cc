@@ -59,14 +59,38 @@ float axial_noise_mm(float z_mm) {
   return noise_mm_at(z_mm);
 }
 
-SensorPoints take_points(const PointCloud& moving, std::size_t run_length, std::size_t stride) {
+std::vector<std::uint32_t> points_in_box(const PointCloud& moving,
+                                         const Eigen::Isometry3d& fixed_from_moving,
+                                         const Eigen::AlignedBox3f& box_mm) {
+  const Eigen::Matrix3f rotation = fixed_from_moving.linear().cast<float>();
+  // About the box's centre: the cast to float must not round a far camera's place.
+  const Eigen::Vector3f shift =
+      (fixed_from_moving.translation() - box_mm.center().cast<double>()).cast<float>();
+  const Eigen::Vector3f half = 0.5F * box_mm.sizes();
+  std::vector<std::uint32_t> kept(moving.size());
+  std::size_t count = 0;
+  for (std::uint32_t i = 0; i < moving.size(); ++i) {
+    const Eigen::Vector3f p = (rotation * moving.points[i] + shift).cwiseAbs();
+    kept[count] = i;
+    count += (p.x() <= half.x()) & (p.y() <= half.y()) & (p.z() <= half.z()) ? 1 : 0;
+  }
+  kept.resize(count);
+  return kept;
+}
+
+SensorPoints take_points(const PointCloud& moving,
+                         std::span<const std::uint32_t> kept,
+                         std::size_t run_length,
+                         std::size_t stride) {
   SensorPoints points;
   points.stride = stride;
   std::vector<std::uint32_t> taken;
-  taken.reserve(moving.size() / stride + run_length);
-  for (std::size_t run = 0; run < moving.size(); run += run_length * stride) {
-    const std::size_t end = std::min(run + run_length, moving.size());
-    for (std::size_t i = run; i < end; ++i) taken.push_back(static_cast<std::uint32_t>(i));
+  taken.reserve(kept.size() / stride + run_length);
+  for (std::size_t run = 0; run < kept.size(); run += run_length * stride) {
+    const std::size_t end = std::min(run + run_length, kept.size());
+    taken.insert(taken.end(),
+                 kept.begin() + static_cast<std::ptrdiff_t>(run),
+                 kept.begin() + static_cast<std::ptrdiff_t>(end));
   }
   points.size = taken.size();
   points.groups.assign((taken.size() + kLanes - 1) / kLanes, PointLanes{});
@@ -82,7 +106,10 @@ SensorPoints take_points(const PointCloud& moving, std::size_t run_length, std::
     group.normal_y[lane] = normal.y();
     group.normal_z[lane] = normal.z();
   }
-  for (auto& group : points.groups) weigh(group);
+  for (auto& group : points.groups) {
+    weigh(group);
+    points.sum_weights += sum_of(group.weight);
+  }
   find_rows(moving, taken, points.rows);
   return points;
 }

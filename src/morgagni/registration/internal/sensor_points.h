@@ -4,7 +4,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
+
+#include <Eigen/Geometry>
 
 #include "morgagni/geometry/point_cloud.h"
 #include "morgagni/registration/internal/lanes.h"
@@ -31,15 +34,22 @@ struct SensorPoints {
   std::vector<PointLanes> groups;  ///< The last one is filled up with points of no weight.
   std::vector<RowReach> rows;      ///< One a point.
   std::size_t size = 0;
-  std::size_t stride = 1;  ///< Each stands for so many readings.
+  std::size_t stride = 1;    ///< Each stands for so many readings.
+  double sum_weights = 0.0;  ///< Of all.
 };
 
 /// Standard deviation of a Kinect's depth at distance `z_mm`: Nguyen, Izadi & Lovell, "Modeling
 /// Kinect sensor noise for improved 3D reconstruction and tracking", 3DIMPVT 2012.
 [[nodiscard]] float axial_noise_mm(float z_mm);
 
-/// Takes runs of `run_length` points, and of the runs every `stride`-th.
+/// Those points of the moving surface that a pose puts into a box of the frame fixed.
+[[nodiscard]] std::vector<std::uint32_t> points_in_box(const PointCloud& moving,
+                                                       const Eigen::Isometry3d& fixed_from_moving,
+                                                       const Eigen::AlignedBox3f& box_mm);
+
+/// Takes runs of `run_length` of the points `kept`, and of the runs every `stride`-th.
 [[nodiscard]] SensorPoints take_points(const PointCloud& moving,
+                                       std::span<const std::uint32_t> kept,
                                        std::size_t run_length,
                                        std::size_t stride);
 
