@@ -20,6 +20,7 @@
 #include <zlib.h>
 
 #include "inflate.h"
+#include "label_names.h"
 #include "messages.h"
 #include "sandbox.h"
 
@@ -209,60 +210,74 @@ Result<ImportHeader> header_of(const itk::ImageIOBase& io, const std::string& na
   return header;
 }
 
-/// Whatever type the file has, as HU: rounded and cut to what a CT can hold.
+enum class VoxelKind { kHu, kLabel };
+
+struct VoxelTarget {
+  std::string name;  ///< Of the file.
+  VoxelKind kind;
+};
+
+/// Whatever type the file has: HU are rounded and cut to what a CT can hold, labels must be whole.
 template <class Stored>
-Result<void> to_hu(std::span<const std::byte> bytes,
-                   std::span<std::int16_t> hu,
-                   const std::string& name) {
-  for (std::size_t i = 0; i < hu.size(); ++i) {
+Result<void> convert(std::span<const std::byte> bytes,
+                     std::span<std::int16_t> voxels,
+                     const VoxelTarget& target) {
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
     Stored value;
     std::memcpy(&value, bytes.data() + i * sizeof(Stored), sizeof(Stored));
     const auto number = static_cast<double>(value);
     if (!std::isfinite(number)) {
       return make_error(ErrorCode::kInvalidArgument,
-                        name + " has a voxel that is not a number (voxel " + std::to_string(i) +
-                            "): replace such voxels with -1024");
+                        target.name + " has a voxel that is not a number (voxel " +
+                            std::to_string(i) + "): replace such voxels with -1024");
     }
-    hu[i] = static_cast<std::int16_t>(std::lround(std::clamp(number, -32768.0, 32767.0)));
+    if (target.kind == VoxelKind::kLabel &&
+        (number < 0.0 || number > 32767.0 || number != std::floor(number))) {
+      return make_error(ErrorCode::kInvalidArgument,
+                        target.name + " is no label map: its voxel " + std::to_string(i) + " is " +
+                            std::to_string(number) + ", labels are whole numbers from 0 to 32767");
+    }
+    voxels[i] = static_cast<std::int16_t>(std::lround(std::clamp(number, -32768.0, 32767.0)));
   }
   return {};
 }
 
-Result<void> to_hu(itk::IOComponentEnum type,
-                   std::span<const std::byte> bytes,
-                   std::span<std::int16_t> hu,
-                   const std::string& name) {
+Result<void> convert(itk::IOComponentEnum type,
+                     std::span<const std::byte> bytes,
+                     std::span<std::int16_t> voxels,
+                     const VoxelTarget& target) {
   using Type = itk::IOComponentEnum;
   switch (type) {
     case Type::UCHAR:
-      return to_hu<unsigned char>(bytes, hu, name);
+      return convert<unsigned char>(bytes, voxels, target);
     case Type::CHAR:
-      return to_hu<signed char>(bytes, hu, name);
+      return convert<signed char>(bytes, voxels, target);
     case Type::USHORT:
-      return to_hu<unsigned short>(bytes, hu, name);
+      return convert<unsigned short>(bytes, voxels, target);
     case Type::SHORT:
-      return to_hu<short>(bytes, hu, name);
+      return convert<short>(bytes, voxels, target);
     case Type::UINT:
-      return to_hu<unsigned>(bytes, hu, name);
+      return convert<unsigned>(bytes, voxels, target);
     case Type::INT:
-      return to_hu<int>(bytes, hu, name);
+      return convert<int>(bytes, voxels, target);
     case Type::ULONG:
-      return to_hu<unsigned long>(bytes, hu, name);
+      return convert<unsigned long>(bytes, voxels, target);
     case Type::LONG:
-      return to_hu<long>(bytes, hu, name);
+      return convert<long>(bytes, voxels, target);
     case Type::ULONGLONG:
-      return to_hu<unsigned long long>(bytes, hu, name);
+      return convert<unsigned long long>(bytes, voxels, target);
     case Type::LONGLONG:
-      return to_hu<long long>(bytes, hu, name);
+      return convert<long long>(bytes, voxels, target);
     case Type::FLOAT:
-      return to_hu<float>(bytes, hu, name);
+      return convert<float>(bytes, voxels, target);
     case Type::DOUBLE:
-      return to_hu<double>(bytes, hu, name);
+      return convert<double>(bytes, voxels, target);
     default:
       break;
   }
-  return make_error(ErrorCode::kUnsupported,
-                    name + " stores its voxels in a type that is not read: convert it to 16-bit");
+  return make_error(
+      ErrorCode::kUnsupported,
+      target.name + " stores its voxels in a type that is not read: convert it to 16-bit");
 }
 
 /// What the file announces must be possible with as many bytes as it has.
@@ -299,9 +314,7 @@ std::vector<std::byte> stored_voxels(itk::ImageIOBase& io) {
   return voxels;
 }
 
-}  // namespace
-
-Result<void> import_image_file(const std::filesystem::path& path) {
+Result<void> import_voxels(const std::filesystem::path& path, VoxelKind kind) {
   const std::string name = path.filename().string();
   auto io = make_image_io(path);
   if (!io) {
@@ -330,7 +343,7 @@ Result<void> import_image_file(const std::filesystem::path& path) {
     io = nullptr;
     say_progress(0.7);
     MOR_TRY(const auto hu, open_voxels(header));
-    return to_hu(type, voxels, hu, name);
+    return convert(type, voxels, hu, {name, kind});
   } catch (const itk::ExceptionObject&) {
     // ITK's sentence is several lines about its own source: it does not help who has the file.
     return make_error(ErrorCode::kIo,
@@ -338,6 +351,18 @@ Result<void> import_image_file(const std::filesystem::path& path) {
                           " cannot be read: it is cut short, or its header has a "
                           "wrong size, spacing or type");
   }
+}
+
+}  // namespace
+
+Result<void> import_image_file(const std::filesystem::path& path) {
+  return import_voxels(path, VoxelKind::kHu);
+}
+
+Result<void> import_label_file(const std::filesystem::path& path) {
+  MOR_CHECK(import_voxels(path, VoxelKind::kLabel));
+  say_label_names(path);
+  return {};
 }
 
 }  // namespace mor::import

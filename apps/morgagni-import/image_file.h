@@ -11,4 +11,7 @@ namespace mor::import {
 /// Reads a NIfTI, NRRD or MetaImage file as HU and hands it over. @errors As import_volume().
 [[nodiscard]] Result<void> import_image_file(const std::filesystem::path& path);
 
+/// The same for a label map: whole numbers from 0 to 32767, with their names. @errors The same.
+[[nodiscard]] Result<void> import_label_file(const std::filesystem::path& path);
+
 }  // namespace mor::import

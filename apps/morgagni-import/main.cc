@@ -29,6 +29,7 @@ struct Job {
 };
 
 Result<void> work(const Job& job) {
+  if (job.task == mor::kReadLabelsTask) return mor::import::import_label_file(job.path);
   const bool is_study = fs::is_directory(job.path) || mor::import::is_study_file(job.path);
   if (job.task == mor::kListSeriesTask) {
     if (is_study) return mor::import::list_dicom_series(job.path);

@@ -67,6 +67,12 @@ void say_series(const CtSeries& series) {
   say('s', line);
 }
 
+void say_label(int value, const std::array<double, 3>& color, std::string_view name) {
+  std::string line = std::to_string(value);
+  for (const double channel : color) line += ' ' + std::to_string(channel);
+  say('l', line + ' ' + std::string(name));
+}
+
 std::string some_of(const std::vector<std::string>& names) {
   constexpr std::size_t kMost = 5;
   std::string text;

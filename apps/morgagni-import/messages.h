@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
 #include <string_view>
@@ -19,6 +20,8 @@ void say_progress(double fraction);
 void say_file(std::string_view name);
 void say_note(std::string_view sentence);
 void say_series(const CtSeries& series);
+/// @param color  Red, green, blue, 0 to 1.
+void say_label(int value, const std::array<double, 3>& color, std::string_view name);
 void say_error(const Error& error);
 
 /// The first of the names, and how many more there are.

@@ -77,6 +77,8 @@ void prepare(const Arguments& arguments) {
       summary.reading_seconds,
       summary.seconds);
   print_cut(summary.cut);
+  if (!summary.label_names.empty())
+    fmt::print("structures: bone, {}\n", fmt::join(summary.label_names, ", "));
 }
 
 }  // namespace
@@ -99,6 +101,17 @@ void add_prepare_command(CLI::App& app) {
                    "Of several DICOM series: number in the list, UID or description")
       ->excludes(command->add_flag(
           "--list-series", arguments->list_series, "List the DICOM series and stop"));
+  command
+      ->add_option(
+          "--labels",
+          arguments->options.label_maps,
+          "Structures: a label map (NIfTI, NRRD, MetaImage) made from this CT; may be given "
+          "several times")
+      ->expected(1)
+      ->take_all();
+  command->add_flag("--total-segmentator",
+                    arguments->options.total_segmentator,
+                    "Labels without names have TotalSegmentator's (task \"total\")");
   command->add_option("--preview",
                       arguments->preview,
                       "Only draw what would be taken for the body into this PNG, and stop");
@@ -125,6 +138,8 @@ void add_prepare_command(CLI::App& app) {
       "  morgagni prepare /media/cd/DICOM --list-series\n"
       "  morgagni prepare /media/cd/DICOM --series 2 --case cases/0815\n"
       "  morgagni prepare head.nii.gz --preview body.png --threshold-hu -250\n"
+      "  morgagni prepare chest.nii.gz --case cases/chest --labels organs.nii.gz "
+      "--total-segmentator\n"
       "  morgagni prepare head.nii.gz --case cases/head --threshold-hu -250");
   command->callback([arguments, folder] {
     if (arguments->list_series) return list_series(arguments->ct);

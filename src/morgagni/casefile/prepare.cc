@@ -5,6 +5,7 @@
 #include <chrono>
 #include <ctime>
 #include <map>
+#include <set>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -28,6 +29,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
+constexpr std::size_t kMaxStructures = 200;  ///< As many as load_case() takes.
 const Eigen::Vector3d kBoneColor(0.93, 0.89, 0.78);
 
 double seconds_between(Clock::time_point start, Clock::time_point end) {
@@ -51,7 +53,12 @@ Json to_json(const PrepareOptions& options) {
           {"bone",
            {{"threshold_hu", bone.threshold_hu},
             {"min_component_mm3", bone.min_component_mm3},
-            {"num_triangles", bone.num_triangles}}}};
+            {"num_triangles", bone.num_triangles}}},
+          {"labels",
+           {{"num_triangles", options.labels.num_triangles},
+            {"min_volume_mm3", options.labels.min_volume_mm3},
+            {"total_segmentator", options.total_segmentator}}},
+          {"series", options.ct.series}};
 }
 
 Eigen::Vector3d center_mm(const Volume& volume) {
@@ -114,9 +121,60 @@ Json to_json(const std::vector<CutPart>& parts) {
   return list;
 }
 
+/// No label map of another body: it has to lie where the CT lies.
+Result<void> check_place(const Volume& labels, const Volume& volume, const fs::path& path) {
+  const auto box_of = [](const Volume& grid) {
+    Eigen::AlignedBox3d box;
+    for (int corner = 0; corner < 8; ++corner) {
+      Eigen::Vector3d place;
+      for (int axis = 0; axis < 3; ++axis)
+        place[axis] = (corner >> axis & 1) * (grid.size[static_cast<std::size_t>(axis)] - 1) *
+                      grid.spacing_mm[axis];
+      box.extend(grid.ct_from_grid * place);
+    }
+    return box;
+  };
+  constexpr double kLeastShare = 0.5;
+  const auto box = box_of(labels);
+  const auto common = box.intersection(box_of(volume));
+  if (!common.isEmpty() && common.volume() >= kLeastShare * box.volume()) return {};
+  return make_error(ErrorCode::kInvalidArgument,
+                    fmt::format("{} lies elsewhere in space than the CT: it was made from another "
+                                "scan",
+                                path.string()));
+}
+
+/// The structures of all label maps, each name once.
+Result<std::vector<LabelSurface>> read_label_maps(const PrepareOptions& options,
+                                                  const Volume& volume,
+                                                  const Progress& progress) {
+  std::vector<LabelSurface> all;
+  std::set<std::string> names = {"bone", "skin"};
+  for (const auto& path : options.label_maps) {
+    MOR_TRY(LabelMap labels, import_label_map(path, progress));
+    MOR_CHECK(check_place(labels.voxels, volume, path));
+    if (labels.names.empty() && options.total_segmentator) labels.names = total_segmentator_names();
+    auto surfaces = extract_labels(labels, options.labels, progress);
+    if (!surfaces)
+      return make_error(surfaces.error().code, path.string() + ": " + surfaces.error().message);
+    for (auto& surface : *surfaces) {
+      const std::string name = surface.name;
+      for (int i = 2; !names.insert(surface.name).second; ++i)
+        surface.name = fmt::format("{} {}", name, i);
+      all.push_back(std::move(surface));
+    }
+  }
+  if (all.size() < kMaxStructures) return all;
+  return make_error(ErrorCode::kInvalidArgument,
+                    fmt::format("the label maps hold {} structures, a case takes up to {}",
+                                all.size(),
+                                kMaxStructures - 1));
+}
+
 struct Prepared {
   TriangleMesh skin;
   TriangleMesh bone;
+  std::vector<LabelSurface> labels;
   DistanceField field;
   std::vector<std::byte> preview;  ///< PNG.
   Volume body;
@@ -133,6 +191,13 @@ Result<void> write_case(const fs::path& folder, const Prepared& prepared, Json& 
     document["structures"].push_back(
         {{"name", "bone"}, {"file", internal::kBoneFile}, {"color", to_json(kBoneColor)}});
   }
+  for (std::size_t i = 0; i < prepared.labels.size(); ++i) {
+    const auto& label = prepared.labels[i];
+    const std::string file = fmt::format("structure_{:03}.ply", i + 1);
+    MOR_CHECK(write_ply(folder / file, label.mesh));
+    document["structures"].push_back(
+        {{"name", label.name}, {"file", file}, {"color", to_json(label.color.cast<double>())}});
+  }
   MOR_TRY(document["files"], hashes(folder));
   return write_file(folder / kCaseFile, document.dump(2) + "\n");
 }
@@ -145,6 +210,7 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
                                     const Progress& progress) {
   MOR_CHECK(options.skin.check());
   MOR_CHECK(options.bone.check());
+  MOR_CHECK(options.labels.check());
   MOR_CHECK(check_target(folder));
 
   const auto started = Clock::now();
@@ -153,6 +219,7 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
 
   MOR_TRY(auto skin, extract_skin(volume, options.skin, progress));
   MOR_TRY(auto bone, extract_bone(volume, options.bone, progress));
+  MOR_TRY(auto labels, read_label_maps(options, volume, progress));
   progress("distance field", 0.0);
   MOR_TRY(auto field, DistanceField::build(skin.remeshed));
   progress("distance field", 1.0);
@@ -162,6 +229,7 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
   summary.num_full_skin_vertices = skin.full.vertices.size();
   summary.num_bone_triangles = bone.triangles.size();
   summary.cut = skin.preview.cut;
+  for (const auto& label : labels) summary.label_names.push_back(label.name);
 
   progress("write case", 0.0);
   MOR_TRY(auto pending, PendingFolder::create(folder));
@@ -176,6 +244,7 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
   MOR_CHECK(write_case(pending.path(),
                        {std::move(skin.remeshed),
                         std::move(bone),
+                        std::move(labels),
                         std::move(field),
                         encode_png(skin.preview.picture.view()),
                         std::move(skin.body)},

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "morgagni/core/progress.h"
 #include "morgagni/core/result.h"
+#include "morgagni/ct/label_map.h"
 #include "morgagni/ct/surfaces.h"
 #include "morgagni/ct/volume_import.h"
 
@@ -14,6 +16,9 @@ namespace mor {
 
 struct PrepareOptions {
   ImportOptions ct;
+  std::vector<std::filesystem::path> label_maps;  ///< Structures that were segmented elsewhere.
+  bool total_segmentator = false;  ///< Labels without names are TotalSegmentator's "total".
+  LabelSurfaceOptions labels;
   SkinOptions skin;
   BoneOptions bone;
 };
@@ -23,8 +28,9 @@ struct PrepareSummary {
   std::size_t num_skin_vertices = 0;
   std::size_t num_full_skin_vertices = 0;
   std::size_t num_bone_triangles = 0;
-  std::vector<CutPart> cut;  ///< What lay beside the body.
-  double seconds = 0.0;      ///< After reading.
+  std::vector<std::string> label_names;  ///< Of the structures from label maps.
+  std::vector<CutPart> cut;              ///< What lay beside the body.
+  double seconds = 0.0;                  ///< After reading.
   double reading_seconds = 0.0;
 };
 

@@ -101,6 +101,38 @@ TEST_F(PrepareTest, WritesAllOptionsAndTheIdentityOfTheCt) {
   EXPECT_EQ(json["files"].size(), 5U);
 }
 
+TEST_F(PrepareTest, TakesStructuresFromLabelMaps) {
+  const auto write_labels = [&](const std::string& name, const std::string& offset) {
+    std::string bytes = "ObjectType = Image\nNDims = 3\nBinaryData = True\nOffset = " + offset +
+                        "\nElementSpacing = 4 4 4\nDimSize = 20 20 20\nElementType = MET_UCHAR\n"
+                        "ElementDataFile = LOCAL\n";
+    for (int i = 0; i < 8000; ++i)
+      bytes += static_cast<char>(i % 20 > 4 && i % 20 < 9 ? 5 : i % 20 > 12 ? 7 : 0);
+    EXPECT_TRUE(write_file(place_ / name, bytes));
+    return place_ / name;
+  };
+  auto with_labels = options();
+  with_labels.label_maps = {write_labels("organs.mha", "-40 -60 90"),
+                            write_labels("again.mha", "-40 -60 90")};
+  with_labels.total_segmentator = true;
+  const auto summary = prepare_case(ct_, case_, with_labels, kQuiet);
+  ASSERT_TRUE(summary) << summary.error().message;
+  EXPECT_THAT(summary->label_names,
+              testing::ElementsAre("liver", "pancreas", "liver 2", "pancreas 2"));
+  const auto body = load_case(case_).value();
+  ASSERT_EQ(body.structures.size(), 5U);
+  EXPECT_EQ(body.structures[1].name, "liver");
+  const auto liver = body.structures[1].mesh.bounds();
+  EXPECT_NEAR(liver.min().x(), -22.0, 2.1);
+  EXPECT_NEAR(liver.max().x(), -6.0, 2.1);
+
+  with_labels.label_maps = {write_labels("other.mha", "4000 0 0")};
+  const auto refused = prepare_case(ct_, place_ / "other", with_labels, kQuiet);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("other.mha lies elsewhere in space than the CT"));
+  EXPECT_FALSE(fs::exists(place_ / "other"));
+}
+
 TEST_F(PrepareTest, ReplacesACaseButNoOtherFolder) {
   fs::create_directories(case_ / "holiday pictures");
   const auto refused = prepare_case(ct_, case_, options(), kQuiet);

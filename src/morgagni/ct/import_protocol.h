@@ -15,8 +15,10 @@ namespace mor {
 ///   f NAME            the file that is read now, so that a crash can be blamed on it
 ///   n SENTENCE        a note: something was skipped or changed
 ///   s FIELDS          a series: the fields of CtSeries in their order, each ended by a tab
+///   l VALUE RED GREEN BLUE NAME   what a label means
 ///   e CODE SENTENCE   why there is no volume; CODE is an ErrorCode as a number
 inline constexpr const char* kReadVolumeTask = "volume";
+inline constexpr const char* kReadLabelsTask = "labels";  ///< As a volume; voxels are labels.
 inline constexpr const char* kListSeriesTask = "list-series";
 inline constexpr int kImportMessagesFd = 3;
 inline constexpr int kImportVoxelsFd = 4;

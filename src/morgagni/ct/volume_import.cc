@@ -7,6 +7,7 @@
 
 #include "morgagni/ct/import_protocol.h"
 #include "morgagni/ct/internal/import_process.h"
+#include "morgagni/ct/label_map.h"
 
 namespace mor {
 namespace {
@@ -34,6 +35,11 @@ Result<std::vector<CtSeries>> list_ct_series(const std::filesystem::path& path,
                                              const Progress& progress) {
   MOR_TRY(const auto program, program_for(path));
   return internal::run_series_process(program, {kListSeriesTask, path, {}}, kTimeLimit, progress);
+}
+
+Result<LabelMap> import_label_map(const std::filesystem::path& path, const Progress& progress) {
+  MOR_TRY(const auto program, program_for(path));
+  return internal::run_label_process(program, {kReadLabelsTask, path, {}}, kTimeLimit, progress);
 }
 
 }  // namespace mor

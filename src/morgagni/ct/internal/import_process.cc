@@ -32,6 +32,7 @@ constexpr std::string_view kStage = "read CT";
 constexpr std::size_t kMaxLineBytes = 4096;
 constexpr int kMaxNotes = 20;
 constexpr std::size_t kMaxSeries = 1000;
+constexpr std::size_t kMaxLabels = 1000;
 
 /// A file descriptor that closes itself.
 class Fd {
@@ -62,6 +63,7 @@ struct Talk {
   std::string current_file;
   std::optional<Error> error;
   std::vector<CtSeries> series;
+  std::vector<LabelName> labels;
   int num_notes = 0;
   bool broken = false;
 };
@@ -103,6 +105,27 @@ std::optional<CtSeries> series_of(std::string_view text) {
   return series;
 }
 
+/// "5 0.5 0.2 0.1 liver"; none where it has not all of that.
+std::optional<LabelName> label_of(std::string_view text) {
+  std::array<double, 4> numbers{};
+  for (double& number : numbers) {
+    const auto end = text.find(' ');
+    if (end == std::string_view::npos) return std::nullopt;
+    number = number_of<double>(text.substr(0, end));
+    text.remove_prefix(end + 1);
+  }
+  if (!(numbers[0] >= 1.0 && numbers[0] <= 32767.0) || text.empty()) return std::nullopt;
+  LabelName label{static_cast<int>(numbers[0]), std::string(text), {}};
+  for (int channel = 0; channel < 3; ++channel)
+    label.color[channel] =
+        static_cast<float>(std::clamp(numbers[static_cast<std::size_t>(channel) + 1], 0.0, 1.0));
+  constexpr std::size_t kMaxNameBytes = 80;
+  label.name.resize(std::min(label.name.size(), kMaxNameBytes));
+  for (char& letter : label.name)
+    if (static_cast<unsigned char>(letter) < 0x20) letter = ' ';
+  return label;
+}
+
 void hear_line(std::string_view line, Talk& talk, const Progress& progress) {
   if (line.size() < 3 || line[1] != ' ') return;
   const std::string_view text = line.substr(2);
@@ -118,6 +141,9 @@ void hear_line(std::string_view line, Talk& talk, const Progress& progress) {
   } else if (line[0] == 's') {
     if (auto series = series_of(text); series && talk.series.size() < kMaxSeries)
       talk.series.push_back(*std::move(series));
+  } else if (line[0] == 'l') {
+    if (auto label = label_of(text); label && talk.labels.size() < kMaxLabels)
+      talk.labels.push_back(*std::move(label));
   } else if (line[0] == 'e' && !talk.error) {
     talk.error = error_of(text);
   }
@@ -292,6 +318,19 @@ Result<Volume> run_import_process(const std::filesystem::path& program,
   MOR_TRY(Volume volume, take_volume(voxels.get()));
   if (progress) progress(kStage, 1.0);
   return volume;
+}
+
+Result<LabelMap> run_label_process(const std::filesystem::path& program,
+                                   const ImportJob& job,
+                                   std::chrono::seconds time_limit,
+                                   const Progress& progress) {
+  const Fd voxels(above_the_fixed_ones(::memfd_create("morgagni-import", MFD_CLOEXEC)));
+  MOR_TRY(Talk talk, converse(program, job, voxels, time_limit, progress));
+  LabelMap labels;
+  MOR_TRY(labels.voxels, take_volume(voxels.get()));
+  labels.names = std::move(talk.labels);
+  if (progress) progress(kStage, 1.0);
+  return labels;
 }
 
 Result<std::vector<CtSeries>> run_series_process(const std::filesystem::path& program,

@@ -10,6 +10,7 @@
 #include "morgagni/core/progress.h"
 #include "morgagni/core/result.h"
 #include "morgagni/ct/ct_series.h"
+#include "morgagni/ct/label_map.h"
 #include "morgagni/geometry/volume.h"
 
 namespace mor::internal {
@@ -32,6 +33,12 @@ struct ImportJob {
                                                 const ImportJob& job,
                                                 std::chrono::seconds time_limit,
                                                 const Progress& progress);
+
+/// The same for a label map.
+[[nodiscard]] Result<LabelMap> run_label_process(const std::filesystem::path& program,
+                                                 const ImportJob& job,
+                                                 std::chrono::seconds time_limit,
+                                                 const Progress& progress);
 
 /// The same for the series that the program finds.
 [[nodiscard]] Result<std::vector<CtSeries>> run_series_process(const std::filesystem::path& program,

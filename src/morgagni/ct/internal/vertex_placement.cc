@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 
@@ -134,6 +136,54 @@ bool is_turned(const Triangle& triangle,
   return normal.dot(wanted) <= 0.1 * normal.norm() * wanted.norm();
 }
 
+/// The corners of pairs of neighbouring triangles that look away from each other: a fold, as thin
+/// parts (an ear) leave where a cluster reaches around their edge.
+std::vector<std::uint32_t> folded_corners(const std::vector<Triangle>& triangles,
+                                          const std::vector<Eigen::Vector3d>& places) {
+  constexpr double kCosOfFold = -0.8;  // 143 degrees.
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> triangle_at;
+  const auto normal_of = [&](const Triangle& t) -> Eigen::Vector3d {
+    return (places[t[1]] - places[t[0]]).cross(places[t[2]] - places[t[0]]).normalized();
+  };
+  std::vector<std::uint32_t> corners;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t from = triangles[t][i];
+      const std::uint32_t to = triangles[t][(i + 1) % 3];
+      triangle_at[{from, to}] = t;
+      const auto other = triangle_at.find({to, from});
+      if (other == triangle_at.end()) continue;
+      const auto& neighbor = triangles[other->second];
+      if (normal_of(triangles[t]).dot(normal_of(neighbor)) > kCosOfFold) continue;
+      corners.insert(corners.end(), triangles[t].begin(), triangles[t].end());
+      corners.insert(corners.end(), neighbor.begin(), neighbor.end());
+    }
+  }
+  std::sort(corners.begin(), corners.end());
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  return corners;
+}
+
+/// Half way to the middle of their neighbours, all at once, until no fold is left.
+void unfold(const std::vector<Triangle>& triangles, std::vector<Eigen::Vector3d>& places) {
+  for (int round = 0; round < kMaxFlipRounds; ++round) {
+    const auto corners = folded_corners(triangles, places);
+    if (corners.empty()) return;
+    std::map<std::uint32_t, std::pair<Eigen::Vector3d, int>> around;
+    for (const std::uint32_t corner : corners) around[corner] = {Eigen::Vector3d::Zero(), 0};
+    for (const auto& triangle : triangles) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto found = around.find(triangle[i]);
+        if (found == around.end()) continue;
+        found->second.first += places[triangle[(i + 1) % 3]] + places[triangle[(i + 2) % 3]];
+        found->second.second += 2;
+      }
+    }
+    for (const auto& [corner, sum] : around)
+      places[corner] = 0.5 * (places[corner] + sum.first / sum.second);
+  }
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector3f> place_vertices(const TriangleMesh& mesh,
@@ -153,6 +203,7 @@ std::vector<Eigen::Vector3f> place_vertices(const TriangleMesh& mesh,
     for (const auto cluster : turned)
       places[cluster] = 0.5 * (places[cluster] + shapes[cluster].middle);
   }
+  unfold(triangles, places);
   std::vector<Eigen::Vector3f> result;
   for (const auto& place : places) result.push_back(place.cast<float>());
   return result;

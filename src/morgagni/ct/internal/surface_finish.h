@@ -1,0 +1,13 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "morgagni/geometry/triangle_mesh.h"
+
+namespace mor::internal {
+
+/// Makes what marching cubes left fit to be drawn: stairs smoothed without shrinking, at most about
+/// `num_triangles`, in an order that graphics cards like, with normals. An empty mesh stays empty.
+void finish_surface(TriangleMesh& mesh, int num_triangles);
+
+}  // namespace mor::internal
