@@ -8,8 +8,8 @@
 
 #include "morgagni/core/progress.h"
 #include "morgagni/core/result.h"
-#include "morgagni/geometry/volume.h"
 #include "morgagni/geometry/triangle_mesh.h"
+#include "morgagni/geometry/volume.h"
 
 namespace mor {
 
