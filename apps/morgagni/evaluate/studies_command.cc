@@ -67,7 +67,7 @@ Result<void> check_out(const fs::path& out) {
 
 Result<void> write_report(const fs::path& out, const StudiesReport& report) {
   MOR_TRY(auto pending, PendingFolder::create(out));
-  MOR_CHECK(write_file(pending.path() / "studies.md", to_markdown(report, this_machine(), "")));
+  MOR_CHECK(write_file(pending.path() / "studies.md", to_markdown(report, this_machine())));
   MOR_CHECK(write_file(pending.path() / "studies.json", to_json(report) + "\n"));
   for (const auto& plot : study_plots(report)) {
     MOR_CHECK(write_file(pending.path() / plot.file_name, plot.svg));

@@ -214,19 +214,17 @@ std::string introduction(const StudiesReport& report, const std::string& machine
       machine);
 }
 
-std::string plot_line(const StudyPlot& plot, const std::string& folder) {
-  return fmt::format("![{}]({}{})\n\n", plot.caption, folder, plot.file_name);
+std::string plot_line(const StudyPlot& plot) {
+  return fmt::format("![{}]({})\n\n", plot.caption, plot.file_name);
 }
 
 }  // namespace
 
-std::string to_markdown(const StudiesReport& report,
-                        const std::string& machine,
-                        const std::string& plot_folder) {
+std::string to_markdown(const StudiesReport& report, const std::string& machine) {
   const double success_mm = report.options.success_mm;
   const auto plots = study_plots(report);
   std::string text = introduction(report, machine);
-  text += plot_line(plots[0], plot_folder);
+  text += plot_line(plots[0]);
   text += "## Table 1: phantom study\n\n";
   text += fiducial_line(report.phantom, paper::kPhantomFre);
   text += summary_table(
@@ -257,7 +255,7 @@ std::string to_markdown(const StudiesReport& report,
   text +=
       "## Table 3: down-sampling\n\nThe poses of table 2, trimmed ICP and ours. TRE as tagged, "
       "mm; wall time, ms.\n\n";
-  text += down_sampling_table(report) + plot_line(plots[1], plot_folder);
+  text += down_sampling_table(report) + plot_line(plots[1]);
   text += fmt::format(
       "## {} poses\n\nFive poses say little. The same on more, CPU, at a down-sampling of 2.5:\n\n",
       report.options.num_many_poses);
@@ -274,7 +272,7 @@ std::string to_markdown(const StudiesReport& report,
     text += fmt::format("**{}.** `{}`\n\n", title, study->camera);
     text += summary_table(*study, "", success_mm);
   }
-  text += plot_line(plots[2], plot_folder);
+  text += plot_line(plots[2]);
   if (!report.recorded.empty()) {
     text +=
         "## Recordings with a systematic depth error\n\nStarts up to 30 mm and 20 degrees off, "

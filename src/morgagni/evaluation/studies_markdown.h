@@ -10,10 +10,7 @@ namespace mor {
 
 /// The report to read: what is simulated and what that leaves out, tables beside the paper's
 /// printed figures, the plots by their file names.
-/// @param machine  What the times were measured on, a line. @param plot_folder  Before the plots'
-///        names: "" or "pictures/".
-[[nodiscard]] std::string to_markdown(const StudiesReport& report,
-                                      const std::string& machine,
-                                      const std::string& plot_folder);
+/// @param machine  What the times were measured on, a line.
+[[nodiscard]] std::string to_markdown(const StudiesReport& report, const std::string& machine);
 
 }  // namespace mor

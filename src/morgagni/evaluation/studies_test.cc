@@ -124,18 +124,18 @@ TEST(Studies, NameWhatIsNotRunAndGoOn) {
   auto report = short_report();
   report.phantom.columns[0].runs.clear();
   report.phantom.columns[0].not_run = "no OpenCL device";
-  const auto text = to_markdown(report, "a machine", "");
+  const auto text = to_markdown(report, "a machine");
   EXPECT_THAT(text, HasSubstr("not run: no OpenCL device"));
   EXPECT_EQ(study_plots(report).size(), 3U);
 }
 
 TEST(Studies, ReportSaysThatDataAreSimulatedAndWhatThePaperPrinted) {
-  const auto text = to_markdown(short_report(), "a machine", "pictures/");
+  const auto text = to_markdown(short_report(), "a machine");
   EXPECT_THAT(text, HasSubstr("All data here are simulated"));
   EXPECT_THAT(text, HasSubstr("What the simulation leaves out"));
   EXPECT_THAT(text, HasSubstr("*4.2 ± 0.6*"));       // Table 1, ICP.
   EXPECT_THAT(text, HasSubstr("*1428.9 ± 334.6*"));  // Tables 2 and 3.
-  EXPECT_THAT(text, HasSubstr("(pictures/accuracy.svg)"));
+  EXPECT_THAT(text, HasSubstr("(accuracy.svg)"));
   const auto json = nlohmann::json::parse(to_json(short_report()));
   EXPECT_EQ(json["data"], "simulated");
   EXPECT_EQ(json["studies"].size(), 2U + 2U + 5U);
