@@ -36,7 +36,7 @@ BoundCalibration default_bound_calibration() {
 }
 
 BoundCalibration with_sensor_bias(const BoundCalibration& calibration, double sensor_bias_mm) {
-  constexpr double kSharedByAll = 0.09;
+  constexpr double kSharedByAll = 0.12;
   BoundCalibration result = calibration;
   result.systematic_mm = std::hypot(calibration.systematic_mm, kSharedByAll * sensor_bias_mm);
   return result;

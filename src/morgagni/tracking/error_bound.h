@@ -31,7 +31,7 @@ struct BoundCalibration {
 [[nodiscard]] BoundCalibration default_bound_calibration();
 
 /// The same for a sensor whose depth errs systematically, smoothly over the picture, by so much
-/// (root mean square): like an error of 0.09 of that which all readings share, found by the same
+/// (root mean square): like an error of 0.12 of that which all readings share, found by the same
 /// study.
 [[nodiscard]] BoundCalibration with_sensor_bias(const BoundCalibration& calibration,
                                                 double sensor_bias_mm);
