@@ -103,7 +103,8 @@ Result<void> JudgementLimits::check() const {
 }
 
 Judgement judge_evidence(const FrameEvidence& evidence, const JudgementLimits& limits) {
-  const auto& [result, skin, covariance, relief, expected] = evidence;
+  const RegistrationResult& result = evidence.result;
+  const SkinEvidence& skin = evidence.skin;
   Judge judge;
   if (result.status == RegistrationStatus::kTooFewPairs || !result.information) {
     judge.doubt(Doubt::kNoBody, Verdict::kBad);

@@ -19,11 +19,11 @@ struct LastSeen {
 
 /// Poses to try after a loss, nearest guess first: the last pose; the last pose with the skin that
 /// was seen put where the camera sees something now; and that turned about the line of sight and
-/// across it. Registration closes 30 mm / 20 deg by itself, so together they reach about 40 deg and
-/// any shift that keeps the body in view.
+/// across it. Registration closes 30 mm / 20 deg by itself, so together they reach beyond 40 deg
+/// and any shift that keeps the body in view.
 ///
 /// @param surface  What the camera sees now, frame depth. Not empty.
-/// @param round  Which of the turns: two each round, all in kRounds.
+/// @param round  Which axis is turned about: four turns each round, all axes in kResumeRounds.
 [[nodiscard]] std::vector<Eigen::Isometry3d> resume_starts(const LastSeen& last,
                                                            const PointCloud& surface,
                                                            std::size_t round);
