@@ -141,6 +141,7 @@ class PretendedSession {
         {{"name", "Pretended body 17"},
          {"structures",
           {{{"name", "bone"}, {"color", "#ede3c7"}}, {{"name", "vessels"}, {"color", "#d6453d"}}}},
+         {"has_ct", true},
          {"start_options", {{"distance_mm", 600}, {"min", 300}, {"max", 1000}}},
          {"version", "0.1.0"}});
   }
@@ -248,7 +249,18 @@ class PretendedSession {
                 {"hole_radius", 0.35},
                 {"hole_x", 0.5},
                 {"hole_y", 0.5},
-                {"structures", {{"bone", true}, {"vessels", true}}}};
+                {"hands_in_front", true},
+                {"structures", {{"bone", true}, {"vessels", true}}},
+                {"structure_opacity", {{"bone", 1.0}, {"vessels", 1.0}}},
+                {"slice", "none"},
+                {"slice_position", 0.5},
+                {"slice_depth_mm", 50.0},
+                {"slice_level_hu", 40.0},
+                {"slice_window_hu", 400.0},
+                {"slice_cuts", false},
+                {"volume", "none"},
+                {"volume_level_hu", 300.0},
+                {"volume_window_hu", 600.0}};
   json status_ = {
       {"state", "waiting"},
       {"held", false},
