@@ -33,10 +33,9 @@ constexpr double kNearbyShift = 0.04;  ///< Of the extent.
 constexpr double kNearbyTurnRad = 0.1;
 constexpr double kLeastAgree = 100.0;     ///< Pixels.
 constexpr double kLeastShare = 0.12;      ///< Of the skin in view, measured where it should be.
-constexpr double kLeastOpenShare = 0.88;  ///< Of that not hidden;
-constexpr double kLeastOpenShareAlone = 0.84;  ///< where no other pose comes near.
+constexpr double kLeastOpenShare = 0.88;  ///< Of that not hidden.
 constexpr double kMostFloating = 0.03;
-constexpr double kMostFloatingAlone = 0.05;
+constexpr double kMostFloatingAlone = 0.05;  ///< Where no other pose comes near.
 constexpr double kAlone = 0.3;         ///< No other pose has more than this share of the evidence.
 constexpr double kClearlyWorse = 0.8;  ///< The runner-up's share of the best one's evidence.
 /// A finding so good that other planes need no look.
@@ -176,11 +175,13 @@ void StartFinder::refine(const StartPicture& picture,
 
 /// Looks at the findings pixel by pixel, and sorts them.
 void StartFinder::verify(const StartPicture& picture,
+                         const std::vector<StartPlane>& planes,
                          std::vector<StartFinding>& findings,
                          const std::stop_token& stop) const {
   tbb::parallel_for(std::size_t{0}, findings.size(), [&](std::size_t i) {
     if (stop.stop_requested()) return;
-    findings[i].agreement = verifier_.look(picture, findings[i].ct_from_depth, kLookToleranceMm);
+    findings[i].agreement =
+        verifier_.look(picture, planes, findings[i].ct_from_depth, kLookToleranceMm);
     findings[i].score = evidence(findings[i].agreement);
   });
   keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
@@ -189,6 +190,7 @@ void StartFinder::verify(const StartPicture& picture,
 /// Refines the best finding from places around it as well: a towel beside bare skin makes a second
 /// dip near the right one.
 void StartFinder::search_nearby(const StartPicture& picture,
+                                const std::vector<StartPlane>& planes,
                                 const StartScene& scene,
                                 StartFinding& best,
                                 const std::stop_token& stop) const {
@@ -217,13 +219,14 @@ void StartFinder::search_nearby(const StartPicture& picture,
   keep_best(nearby, kMaxVerified, 0.0, bounds_);
   for (auto& finding : nearby) {
     if (stop.stop_requested()) return;
-    finding.agreement = verifier_.look(picture, finding.ct_from_depth, kLookToleranceMm);
+    finding.agreement = verifier_.look(picture, planes, finding.ct_from_depth, kLookToleranceMm);
     finding.score = evidence(finding.agreement);
     if (finding.score > best.score) best = finding;
   }
 }
 
 Result<std::vector<StartFinding>> StartFinder::find_on(const StartPicture& picture,
+                                                       const std::vector<StartPlane>& planes,
                                                        const StartPlane& plane,
                                                        const std::stop_token& stop) const {
   const auto cancelled = [] {
@@ -241,9 +244,9 @@ Result<std::vector<StartFinding>> StartFinder::find_on(const StartPicture& pictu
     findings.insert(findings.end(), found.begin(), found.end());
     if (stop.stop_requested()) return cancelled();
   }
-  verify(picture, findings, stop);
+  verify(picture, planes, findings, stop);
   if (!findings.empty() && findings[0].score > 0.0) {
-    search_nearby(picture, scene, findings[0], stop);
+    search_nearby(picture, planes, scene, findings[0], stop);
     keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
   }
   if (stop.stop_requested()) return cancelled();
@@ -263,7 +266,7 @@ AutomaticStartResult StartFinder::decide(const std::vector<StartFinding>& findin
   result.runner_up_score = result.score * runner_up_share(findings);
   const bool is_alone = runner_up_share(findings) < kAlone;
   if (best.num_agree < kLeastAgree || best.num_agree < kLeastShare * best.num_seen ||
-      best.num_agree < (is_alone ? kLeastOpenShareAlone : kLeastOpenShare) * num_open ||
+      best.num_agree < kLeastOpenShare * num_open ||
       best.num_floating > (is_alone ? kMostFloatingAlone : kMostFloating) * best.num_agree) {
     result.reason = fmt::format(
         "no pose explains the picture: at the best {:.0f} % of the skin is seen where it should "
@@ -286,8 +289,9 @@ AutomaticStartResult StartFinder::decide(const std::vector<StartFinding>& findin
 Result<std::vector<StartFinding>> StartFinder::find_all(const StartPicture& picture,
                                                         const std::stop_token& stop) const {
   std::vector<StartFinding> findings;
-  for (const auto& plane : planes_of(picture)) {
-    MOR_TRY(const auto found, find_on(picture, plane, stop));
+  const auto planes = planes_of(picture);
+  for (const auto& plane : planes) {
+    MOR_TRY(const auto found, find_on(picture, planes, plane, stop));
     findings.insert(findings.end(), found.begin(), found.end());
     keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
     if (settles(findings)) break;

@@ -51,6 +51,7 @@ class StartFinder {
   };
 
   [[nodiscard]] Result<std::vector<StartFinding>> find_on(const StartPicture& picture,
+                                                          const std::vector<StartPlane>& planes,
                                                           const StartPlane& plane,
                                                           const std::stop_token& stop) const;
   [[nodiscard]] std::vector<StartFinding> search(const StartPicture& picture,
@@ -61,9 +62,11 @@ class StartFinder {
               std::vector<StartFinding>& findings,
               const std::stop_token& stop) const;
   void verify(const StartPicture& picture,
+              const std::vector<StartPlane>& planes,
               std::vector<StartFinding>& findings,
               const std::stop_token& stop) const;
   void search_nearby(const StartPicture& picture,
+                     const std::vector<StartPlane>& planes,
                      const StartScene& scene,
                      StartFinding& best,
                      const std::stop_token& stop) const;

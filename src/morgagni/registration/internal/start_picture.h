@@ -18,8 +18,9 @@ struct StartPicture {
   PinholeCamera camera;  ///< Without distortion.
   Image<float> z_mm;     ///< 0: no reading.
 
-  [[nodiscard]] Eigen::Vector3f point(int x, int y) const {
-    const float z = z_mm(x, y);
+  [[nodiscard]] Eigen::Vector3f point(int x, int y) const { return point_at(x, y, z_mm(x, y)); }
+  /// What a pixel sees at depth `z`.
+  [[nodiscard]] Eigen::Vector3f point_at(int x, int y, float z) const {
     return {z * (static_cast<float>(x) - static_cast<float>(camera.center_x_px)) /
                 static_cast<float>(camera.focal_x_px),
             z * (static_cast<float>(y) - static_cast<float>(camera.center_y_px)) /

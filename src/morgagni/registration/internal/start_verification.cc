@@ -16,6 +16,8 @@ namespace {
 
 constexpr float kGlanceFacing = 0.3F;
 constexpr float kSpacing = 1.0F / 36.0F;  ///< Of the skin's points, of the body's extent.
+constexpr float kLargePlane = 0.12F;      ///< Share of the picture's surface.
+constexpr float kInPlaneMm = 3.0F;
 constexpr float kNoises = 2.0F;
 /// Skin is floating only if the camera looks past it by so many tolerances.
 constexpr float kFloatingTolerances = 1.2F;
@@ -30,6 +32,14 @@ float nearest_reading(const StartPicture& picture, int x, int y, float z) {
     }
   }
   return nearest;
+}
+
+bool is_in_large_plane(const std::vector<StartPlane>& planes,
+                       const Eigen::Vector3f& p,
+                       float reach_mm) {
+  return std::any_of(planes.begin(), planes.end(), [&](const StartPlane& plane) {
+    return plane.share >= kLargePlane && std::abs(plane.height_mm(p)) < reach_mm;
+  });
 }
 
 void judge(float reading, float expected, float tolerance_mm, SkinAgreement& agreement) {
@@ -89,6 +99,7 @@ SkinAgreement StartVerifier::glance(const StartPicture& picture,
 }
 
 SkinAgreement StartVerifier::look(const StartPicture& picture,
+                                  const std::vector<StartPlane>& planes,
                                   const Eigen::Isometry3d& ct_from_depth,
                                   float tolerance_mm) const {
   SkinAgreement agreement;
@@ -100,6 +111,9 @@ SkinAgreement StartVerifier::look(const StartPicture& picture,
       const float reading = nearest_reading(picture, x, y, expected);
       if (reading <= 0.0F) continue;
       const float noise_mm = kNoises * axial_noise_mm(expected);
+      if (is_in_large_plane(planes, picture.point_at(x, y, expected), kInPlaneMm + noise_mm)) {
+        continue;
+      }
       judge(reading, expected, tolerance_mm + noise_mm, agreement);
     }
   }

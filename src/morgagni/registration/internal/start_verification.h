@@ -32,7 +32,10 @@ class StartVerifier {
                                      float tolerance_mm) const;
 
   /// By the depth that the camera would see, pixel by pixel. @cost About 3 ms.
+  /// @param planes  Of the picture: skin that would lie in a large one is not counted, as any flat
+  ///        part of a body agrees with a table.
   [[nodiscard]] SkinAgreement look(const StartPicture& picture,
+                                   const std::vector<StartPlane>& planes,
                                    const Eigen::Isometry3d& ct_from_depth,
                                    float tolerance_mm) const;
 
