@@ -49,6 +49,9 @@ PoseSpread spread_of(StartQuality start) {
 /// may be the wrong one: others are tried.
 constexpr double kDoubtfulPairs = 0.35;
 constexpr double kDoubtfulBelow = 0.01;
+/// Of the points near the skin, the share of weight that the kernel leaves: lower where they do not
+/// lie along it.
+constexpr double kDoubtfulShare = 0.5;
 /// They start this far to either side, about each axis and along it.
 constexpr double kTurnRad = 15.0 * kRadPerDeg;
 constexpr double kShiftMm = 20.0;
@@ -104,6 +107,7 @@ class Strategy {
   /// Little explained may be clutter; skin in front of what the camera sees cannot be right.
   [[nodiscard]] bool is_doubtful() const {
     return best_fit_.below_fraction > kDoubtfulBelow ||
+           best_fit_.pair_fraction < kDoubtfulShare * best_fit_.near_fraction ||
            (best_fit_.pair_fraction < kDoubtfulPairs && num_vain_ < kMaxVain);
   }
 
