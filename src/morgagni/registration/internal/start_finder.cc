@@ -36,8 +36,11 @@ constexpr double kLeastShare = 0.12;      ///< Of the skin in view, measured whe
 constexpr double kLeastOpenShare = 0.88;  ///< Of that not hidden.
 constexpr double kMostFloating = 0.03;
 constexpr double kMostFloatingAlone = 0.05;  ///< Where no other pose comes near.
-constexpr double kAlone = 0.3;         ///< No other pose has more than this share of the evidence.
-constexpr double kClearlyWorse = 0.8;  ///< The runner-up's share of the best one's evidence.
+constexpr double kAlone = 0.3;  ///< No other pose has more than this share of the evidence.
+/// The runner-up's share of the best one's evidence, and how much less it may be where all of the
+/// skin is hidden: what is hidden may be anything.
+constexpr double kClearlyWorse = 0.8;
+constexpr double kClearlyWorsePerHidden = 0.5;
 /// A finding so good that other planes need no look.
 constexpr double kSettledShare = 0.7;
 constexpr double kSettledRunnerUp = 0.6;
@@ -275,7 +278,8 @@ AutomaticStartResult StartFinder::decide(const std::vector<StartFinding>& findin
         100.0 * best.num_agree / std::max(1.0, best.num_seen),
         100.0 * best.num_hidden / std::max(1.0, best.num_seen),
         100.0 * best.num_floating / std::max(1.0, best.num_seen));
-  } else if (runner_up_share(findings) > kClearlyWorse) {
+  } else if (runner_up_share(findings) >
+             kClearlyWorse - kClearlyWorsePerHidden * best.num_hidden / best.num_seen) {
     result.status = AutomaticStartStatus::kAmbiguous;
     result.reason =
         fmt::format("another pose explains the picture {:.0f} % as well: show more of the body",
