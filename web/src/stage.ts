@@ -7,6 +7,7 @@ import type { Banner } from './status_text';
 
 const DRAG_FROM_PX = 8;
 const DOUBLE_TAP_MS = 350;
+const DOUBLE_TAP_PX = 48;
 // The live picture moves on below it.
 const READOUT_MS = 4000;
 
@@ -23,7 +24,7 @@ export class Stage {
   private readonly ring = h('div', { class: 'ring', hidden: true });
   private readonly marks = h('div', { class: 'marks' });
   private down: { at: Point; moved: boolean } | undefined;
-  private lastTap_ms = 0;
+  private lastTap: { at: Point; time_ms: number } | undefined;
   private readoutTimer: number | undefined;
 
   constructor(
@@ -134,14 +135,21 @@ export class Stage {
       this.onTap(point);
       return;
     }
-    const isDouble = event.timeStamp - this.lastTap_ms < DOUBLE_TAP_MS;
-    this.lastTap_ms = isDouble ? 0 : event.timeStamp;
-    if (isDouble) {
+    if (this.endsDoubleTap(event)) {
       this.hideReadout();
       this.onHole(0.5, 0.5);
     } else {
       this.onTouch(point);
     }
+  }
+
+  /** Two quick taps on two places are two questions, no double tap. */
+  private endsDoubleTap(event: PointerEvent): boolean {
+    const last = this.lastTap;
+    const is = last !== undefined && event.timeStamp - last.time_ms < DOUBLE_TAP_MS
+      && Math.hypot(event.clientX - last.at.x, event.clientY - last.at.y) < DOUBLE_TAP_PX;
+    this.lastTap = is ? undefined : { at: { x: event.clientX, y: event.clientY }, time_ms: event.timeStamp };
+    return is;
   }
 
   private end(): void {
