@@ -23,6 +23,7 @@ const Layers& layers() {
                                  {"stream", 2},
                                  {"registration", 2},
                                  {"tracking", 3},
+                                 {"documentation", 3},
                                  {"casefile", 3},
                                  {"evaluation", 4},
                                  {"session", 5}};
