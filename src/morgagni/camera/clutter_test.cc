@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/camera/internal/clutter.h"
+#include "morgagni/camera/internal/scene/clutter.h"
 
 #include <cmath>
 #include <map>
@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "morgagni/camera/internal/blended_solid.h"
-#include "morgagni/camera/internal/shade_map.h"
-#include "morgagni/camera/internal/sweep.h"
+#include "morgagni/camera/internal/scene/blended_solid.h"
+#include "morgagni/camera/internal/scene/shade_map.h"
+#include "morgagni/camera/internal/scene/sweep.h"
 
 namespace mor::internal {
 namespace {

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "morgagni/camera/internal/clutter.h"
 #include "morgagni/camera/internal/depth_bias.h"
 #include "morgagni/camera/internal/hand_path.h"
 #include "morgagni/camera/internal/kinect_noise.h"
-#include "morgagni/camera/internal/scene.h"
+#include "morgagni/camera/internal/scene/clutter.h"
+#include "morgagni/camera/internal/scene/scene.h"
 #include "morgagni/camera/internal/view_places.h"
 #include "morgagni/camera/internal/wait_until.h"
 

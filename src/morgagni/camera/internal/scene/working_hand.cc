@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/camera/internal/working_hand.h"
+#include "morgagni/camera/internal/scene/working_hand.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "morgagni/camera/internal/blended_solid.h"
+#include "morgagni/camera/internal/scene/blended_solid.h"
 
 namespace mor::internal {
 namespace {

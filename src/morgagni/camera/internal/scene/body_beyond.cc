@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/camera/internal/body_beyond.h"
+#include "morgagni/camera/internal/scene/body_beyond.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "morgagni/camera/internal/sweep.h"
+#include "morgagni/camera/internal/scene/sweep.h"
 
 namespace mor::internal {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/camera/internal/height_map.h"
+#include "morgagni/camera/internal/scene/height_map.h"
 
 #include <algorithm>
 #include <array>

@@ -6,9 +6,9 @@
 
 #include <Eigen/Geometry>
 
-#include "morgagni/camera/internal/height_map.h"
-#include "morgagni/camera/internal/painted_mesh.h"
 #include "morgagni/camera/internal/random.h"
+#include "morgagni/camera/internal/scene/height_map.h"
+#include "morgagni/camera/internal/scene/painted_mesh.h"
 
 namespace mor::internal {
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/camera/internal/scene.h"
+#include "morgagni/camera/internal/scene/scene.h"
 
 #include <algorithm>
 #include <array>

@@ -4,8 +4,8 @@
 
 #include <Eigen/Geometry>
 
-#include "morgagni/camera/internal/painted_mesh.h"
 #include "morgagni/camera/internal/random.h"
+#include "morgagni/camera/internal/scene/painted_mesh.h"
 
 namespace mor::internal {
 

@@ -9,9 +9,9 @@
 #include <Eigen/Geometry>
 
 #include "morgagni/camera/internal/kinect_noise.h"
-#include "morgagni/camera/internal/painted_mesh.h"
-#include "morgagni/camera/internal/shade_map.h"
-#include "morgagni/camera/internal/table.h"
+#include "morgagni/camera/internal/scene/painted_mesh.h"
+#include "morgagni/camera/internal/scene/shade_map.h"
+#include "morgagni/camera/internal/scene/table.h"
 #include "morgagni/core/image.h"
 #include "morgagni/geometry/pinhole_camera.h"
 #include "morgagni/geometry/triangle_mesh.h"

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/camera/internal/clutter.h"
+#include "morgagni/camera/internal/scene/clutter.h"
 
-#include "morgagni/camera/internal/table_things.h"
-#include "morgagni/camera/internal/towel.h"
+#include "morgagni/camera/internal/scene/table_things.h"
+#include "morgagni/camera/internal/scene/towel.h"
 
 namespace mor::internal {
 namespace {

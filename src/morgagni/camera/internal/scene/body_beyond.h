@@ -7,8 +7,8 @@
 
 #include <Eigen/Geometry>
 
-#include "morgagni/camera/internal/painted_mesh.h"
 #include "morgagni/camera/internal/random.h"
+#include "morgagni/camera/internal/scene/painted_mesh.h"
 #include "morgagni/geometry/triangle_mesh.h"
 
 namespace mor::internal {

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/camera/internal/painted_mesh.h"
+#include "morgagni/camera/internal/scene/painted_mesh.h"
 
 #include <algorithm>
 
-#include "morgagni/camera/internal/table.h"
+#include "morgagni/camera/internal/scene/table.h"
 
 namespace mor::internal {
 namespace {

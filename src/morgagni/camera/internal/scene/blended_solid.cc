@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/camera/internal/blended_solid.h"
+#include "morgagni/camera/internal/scene/blended_solid.h"
 
 #include <algorithm>
 #include <array>

@@ -7,10 +7,10 @@
 
 #include <Eigen/Geometry>
 
-#include "morgagni/camera/internal/body_beyond.h"
-#include "morgagni/camera/internal/height_map.h"
-#include "morgagni/camera/internal/painted_mesh.h"
-#include "morgagni/camera/internal/working_hand.h"
+#include "morgagni/camera/internal/scene/body_beyond.h"
+#include "morgagni/camera/internal/scene/height_map.h"
+#include "morgagni/camera/internal/scene/painted_mesh.h"
+#include "morgagni/camera/internal/scene/working_hand.h"
 #include "morgagni/camera/simulated_camera.h"
 #include "morgagni/geometry/triangle_mesh.h"
 

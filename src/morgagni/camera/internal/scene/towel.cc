@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/camera/internal/towel.h"
+#include "morgagni/camera/internal/scene/towel.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 
-#include "morgagni/camera/internal/table.h"
+#include "morgagni/camera/internal/scene/table.h"
 #include "morgagni/core/image.h"
 
 namespace mor::internal {

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/camera/internal/table_things.h"
+#include "morgagni/camera/internal/scene/table_things.h"
 
 #include <cmath>
 
-#include "morgagni/camera/internal/sweep.h"
+#include "morgagni/camera/internal/scene/sweep.h"
 
 namespace mor::internal {
 namespace {
