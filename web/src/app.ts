@@ -12,6 +12,7 @@ import { PlacementPanel } from './placement_panel';
 import { Stage } from './stage';
 import { StatusPanel } from './status_panel';
 import { adviceOf, bannerOf, snapshotName, touchLines } from './status_text';
+import { Tabs } from './tabs';
 import { ViewSender } from './view_sender';
 import { Toast } from './widgets';
 
@@ -55,6 +56,8 @@ export class App {
     snapshot: () => void this.takeSnapshot(),
   });
 
+  private readonly tabs = new Tabs('look');
+
   readonly inspection: {
     live: LiveVideo;
     readonly status: Status | undefined;
@@ -70,9 +73,11 @@ export class App {
       this.stage.element,
       this.figures.element,
       this.landmarks.bar,
-      h('aside', { class: 'rail' }, this.controls.element, this.modes.element,
+      h('aside', { class: 'rail' }, this.tabs.keys, this.tabs.panels, this.controls.keys,
         this.placement.element),
       this.toast.element);
+    this.tabs.add('look', this.controls.element);
+    this.tabs.add('look', this.modes.element);
     const self = this;
     this.inspection = {
       live: this.live,

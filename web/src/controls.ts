@@ -31,9 +31,10 @@ function holeText(value: number): string {
   return value >= 1 ? 'all' : `${Math.round(holeOfSlider(value) * 100)} %`;
 }
 
-/** What is always at hand beside the picture. */
+/** How the tracking starts and what is seen in the hole; and the keys that are always at hand. */
 export class Controls {
   readonly element: HTMLElement;
+  readonly keys: HTMLElement;
 
   private readonly opacity;
   private readonly hole;
@@ -58,9 +59,9 @@ export class Controls {
     this.element = h('div', { class: 'controls' },
       section('Start', h('div', { class: 'pair starts' }, ...this.startKeys)),
       section('Inside view', this.opacity.element, this.hole.element, this.structures,
-        h('p', { class: 'tip' }, 'Drag on the picture: moves the hole. Tap: error there. Double tap: hole to the centre.')),
-      section('Picture', h('div', { class: 'pair' }, this.freezeKey,
-        button('Snapshot', 'snapshot', () => actions.snapshot()))));
+        h('p', { class: 'tip' }, 'Drag on the picture: moves the hole. Tap: error there. Double tap: hole to the centre.')));
+    this.keys = h('div', { class: 'rail-keys', role: 'group', 'aria-label': 'Picture' }, this.freezeKey,
+      button('Snapshot', 'snapshot', () => actions.snapshot()));
   }
 
   showCase(info: CaseInfo): void {

@@ -4,6 +4,7 @@ import './style/base.css';
 import './style/picture.css';
 import './style/figures.css';
 import './style/controls.css';
+import './style/tabs.css';
 import './style/landmarks.css';
 import './style/screens.css';
 import { App } from './app';

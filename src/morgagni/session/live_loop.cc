@@ -54,6 +54,11 @@ class Loop final : public LiveLoop {
     view_ = first_view(*body_);
   }
 
+  void observe(Observe observe) override {
+    const std::lock_guard lock(observers_mutex_);
+    observers_.push_back(std::move(observe));
+  }
+
   Result<void> run(Show show) override {
     std::promise<Result<void>> renderer_ready;
     auto ready = renderer_ready.get_future();
@@ -257,8 +262,14 @@ class Loop final : public LiveLoop {
         judgement_ms_.add(tracked->judgement_ms);
         if (tracked->registration) registration_ms_.add(tracked->registration_ms);
       }
+      tell_observers(*tracked);
       tracked_.put(*std::move(tracked));
     }
+  }
+
+  void tell_observers(const TrackedFrame& tracked) {
+    const std::lock_guard lock(observers_mutex_);
+    for (const Observe& observe : observers_) observe(tracked);
   }
 
   /// Tracks a frame, and searches for the body where the tracking needs a start. A pose that the
@@ -418,6 +429,9 @@ class Loop final : public LiveLoop {
 
   mutable std::mutex picture_mutex_;
   Image<Rgba8> picture_;
+
+  std::mutex observers_mutex_;
+  std::vector<Observe> observers_;
 
   std::mutex retry_mutex_;
   std::jthread render_thread_;  ///< The threads end first: they are destroyed before what they use.

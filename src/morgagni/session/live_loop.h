@@ -78,11 +78,19 @@ class LiveLoop {
   /// Takes a finished picture and what belongs to it. Called on the render thread.
   using Show = std::function<void(ImageView<const Rgba8>, const PictureInfo&)>;
 
+  /// Looks at a tracked frame, in the order of the frames. Called on the tracking thread, which
+  /// waits for it: it hands the frame on and returns at once.
+  using Observe = std::function<void(const TrackedFrame&)>;
+
   /// Makes the stages; nothing runs yet. @errors As the stages' own.
   [[nodiscard]] static Result<std::unique_ptr<LiveLoop>> create(std::shared_ptr<const Case> body,
                                                                 std::unique_ptr<RangeCamera> camera,
                                                                 const LiveLoopOptions& options);
   virtual ~LiveLoop() = default;
+
+  /// From now on `observe` gets each frame that is tracked, whatever becomes of it. What it looks
+  /// at must live until stop() has returned.
+  virtual void observe(Observe observe) = 0;
 
   /// Starts the threads. Returns once the renderer stands. @errors kDevice: no OpenGL.
   [[nodiscard]] virtual Result<void> run(Show show) = 0;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/session/live_loop.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -128,6 +129,27 @@ TEST_F(LiveLoopTest, CatchesThePlacedBodyAndShowsIt) {
     return num_pictures_ > 10 && last_info_["state"] == "tracking" && last_width_ == 640;
   }));
   EXPECT_FALSE(loop_->snapshot().empty());
+}
+
+TEST_F(LiveLoopTest, ObserversGetEachTrackedFrameInOrderAlsoWhileThePictureIsFrozen) {
+  start_simulated();
+  ASSERT_TRUE(tracks());
+  std::mutex mutex;
+  std::vector<std::uint64_t> seen;
+  int num_with_pose = 0;
+  loop_->observe([&](const TrackedFrame& tracked) {
+    const std::lock_guard lock(mutex);
+    seen.push_back(tracked.frame->frame_id);
+    num_with_pose += tracked.ct_from_depth ? 1 : 0;
+  });
+  EXPECT_EQ(ask("POST /api/freeze", R"({"frozen": true})").status, 200);
+  EXPECT_TRUE(eventually([&] {
+    const std::lock_guard lock(mutex);
+    return num_with_pose > 5;
+  }));
+  loop_->stop();
+  EXPECT_TRUE(std::adjacent_find(seen.begin(), seen.end(), std::greater_equal<>()) == seen.end())
+      << "a frame came twice or late";
 }
 
 TEST_F(LiveLoopTest, AFrozenPictureStaysAndTheViewStillChanges) {

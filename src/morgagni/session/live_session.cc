@@ -7,6 +7,7 @@
 #include <thread>
 #include <utility>
 
+#include "morgagni/session/api_json.h"
 #include "morgagni/session/live_api.h"
 
 namespace mor {
@@ -64,9 +65,11 @@ Result<std::unique_ptr<LiveSession>> LiveSession::start(Case body,
   const auto shared_body = std::make_shared<const Case>(std::move(body));
   MOR_TRY(std::shared_ptr<LiveLoop> loop,
           LiveLoop::create(shared_body, std::move(camera), options.loop));
-  MOR_TRY(auto server,
-          LiveServer::start(options.server,
-                            make_live_routes(shared_body, loop, options.loop.placement)));
+  // Each topic has its routes in a file of its own and joins the others with one line.
+  std::vector<HttpRoute> routes = api::joined({
+      make_live_routes(shared_body, loop, options.loop.placement),
+  });
+  MOR_TRY(auto server, LiveServer::start(options.server, std::move(routes)));
   MOR_CHECK(
       loop->run([sink = server.get()](ImageView<const Rgba8> picture, const PictureInfo& info) {
         sink->show(picture, info);
