@@ -123,7 +123,9 @@ Result<Case> load_case(const fs::path& folder) {
   }
   Case result;
   result.name = text_of(json, "name");
+  result.folder = fs::absolute(folder);
   result.ct_description = text_of(json["ct"], "description");
+  result.ct_voxels_sha256 = text_of(json["ct"], "voxels_sha256");
   MOR_TRY(result.ct_center_mm, read_vector(folder, json["ct"], "center_mm"));
   MOR_TRY(result.ct_half_voxel_mm, read_vector(folder, json["ct"], "half_voxel_mm"));
   MOR_CHECK(check_file(folder, json["files"], internal::kSkinFile));

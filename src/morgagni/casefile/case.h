@@ -26,7 +26,9 @@ struct Structure {
 /// A prepared case: what the live part needs of one body.
 struct Case {
   std::string name;                                        ///< The folder's name.
+  std::filesystem::path folder;                            ///< Where it was loaded from.
   std::string ct_description;                              ///< What the CT said of itself.
+  std::string ct_voxels_sha256;                            ///< Which CT it is.
   Eigen::Vector3d ct_center_mm = Eigen::Vector3d::Zero();  ///< Centre of the voxel grid, LPS.
   Eigen::Vector3d ct_half_voxel_mm =
       Eigen::Vector3d::Zero();  ///< From a voxel's centre to its far corner, LPS.

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <ctime>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -14,7 +15,9 @@
 
 #include "morgagni/casefile/case.h"
 #include "morgagni/casefile/internal/case_format.h"
+#include "morgagni/casefile/kept_folders.h"
 #include "morgagni/core/files.h"
+#include "morgagni/core/folder_lock.h"
 #include "morgagni/core/image_png.h"
 #include "morgagni/core/pending_folder.h"
 #include "morgagni/core/version.h"
@@ -99,6 +102,38 @@ Result<void> check_target(const fs::path& folder) {
                     fmt::format("{} exists and is no case (it has no {}): name another folder",
                                 folder.string(),
                                 kCaseFile));
+}
+
+/// What people made belongs to the CT that it was made on: another one must not take it over.
+Result<void> check_kept(const fs::path& folder, const Json& ct) {
+  if (!has_kept_files(folder)) return {};
+  constexpr std::uintmax_t kMaxCaseJsonBytes = 16U << 20U;
+  const auto text = read_text_file(folder / kCaseFile, kMaxCaseJsonBytes);
+  const Json before = Json::parse(text.value_or(""), nullptr, /*allow_exceptions=*/false);
+  const auto said = [](const Json& json, const char* key) {
+    return json.is_object() ? json.value(key, Json()) : Json();
+  };
+  const auto is_same = [&](const char* key) { return said(said(before, "ct"), key) == ct.at(key); };
+  if (is_same("voxels_sha256") && is_same("size") && is_same("spacing_mm") &&
+      is_same("origin_mm") && is_same("axes"))
+    return {};
+  return make_error(
+      ErrorCode::kInvalidArgument,
+      fmt::format("{} holds what was made on another CT ({}): name another folder for this one",
+                  folder.string(),
+                  fmt::join(kKeptFolders, ", ")));
+}
+
+/// Nobody writes into the case while it is exchanged. None: there is no case yet.
+Result<std::optional<FolderLock>> lock_case(const fs::path& folder) {
+  std::error_code status;
+  if (!fs::is_directory(folder, status)) return std::nullopt;
+  MOR_TRY(auto lock,
+          FolderLock::take(folder,
+                           FolderLock::Kind::kExclusive,
+                           fmt::format("{} is in use by another Morgagni: stop that one first",
+                                       folder.string())));
+  return std::optional(std::move(lock));
 }
 
 std::string now_utc() {
@@ -212,10 +247,13 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
   MOR_CHECK(options.bone.check());
   MOR_CHECK(options.labels.check());
   MOR_CHECK(check_target(folder));
+  MOR_TRY(const auto lock, lock_case(folder));
 
   const auto started = Clock::now();
   MOR_TRY(const Volume volume, import_volume(ct, options.ct, progress));
   const auto read = Clock::now();
+  const Json ct_identity = identity(volume, ct);
+  MOR_CHECK(check_kept(folder, ct_identity));
 
   MOR_TRY(auto skin, extract_skin(volume, options.skin, progress));
   MOR_TRY(auto bone, extract_bone(volume, options.bone, progress));
@@ -238,7 +276,7 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
       {"name", fs::absolute(folder / "").lexically_normal().parent_path().filename().string()},
       {"made_by", fmt::format("Morgagni {}", kVersion)},
       {"made_at", now_utc()},
-      {"ct", identity(volume, ct)},
+      {"ct", ct_identity},
       {"options", to_json(options)},
       {"cut", to_json(skin.preview.cut)}};
   MOR_CHECK(write_case(pending.path(),
@@ -249,6 +287,9 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
                         encode_png(skin.preview.picture.view()),
                         std::move(skin.body)},
                        document));
+  progress("write case", 0.8);
+  MOR_CHECK(carry_over_kept_folders(folder, pending.path()));
+  progress("write case", 0.9);
   MOR_CHECK(pending.commit());
   progress("write case", 1.0);
 

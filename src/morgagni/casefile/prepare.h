@@ -39,12 +39,12 @@ struct PrepareSummary {
 ///
 /// The folder is written aside and put in its place at the end, so that at any moment there is the
 /// old case, or the new one, or none: never half of one. What a killed run left is removed by the
-/// next.
+/// next. What people made in the case (kKeptFolders) stays in it.
 ///
 /// @param ct      As import_volume() reads it.
 /// @param folder  The case. Made, or replaced when it is a case already.
-/// @errors As import_volume and extract_skin; kInvalidArgument: `folder` exists and is no case;
-/// kIo.
+/// @errors As import_volume and extract_skin; kInvalidArgument: `folder` exists and is no case,
+/// is in use, or holds what people made on another CT; kIo.
 [[nodiscard]] Result<PrepareSummary> prepare_case(const std::filesystem::path& ct,
                                                   const std::filesystem::path& folder,
                                                   const PrepareOptions& options,

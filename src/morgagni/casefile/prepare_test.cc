@@ -45,6 +45,8 @@ TEST_F(PrepareTest, MakesACaseThatLoads) {
   const auto body = load_case(case_);
   ASSERT_TRUE(body) << body.error().message;
   EXPECT_EQ(body->name, "case");
+  EXPECT_EQ(body->folder, case_);
+  EXPECT_EQ(body->ct_voxels_sha256.size(), 64U);
   EXPECT_EQ(body->skin->mesh.vertices.size(), summary->num_skin_vertices);
   EXPECT_NEAR(static_cast<double>(summary->num_skin_vertices), 2000.0, 60.0);
   ASSERT_EQ(body->structures.size(), 1U);
