@@ -4,9 +4,11 @@
 
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 
+#include "morgagni/core/folder_lock.h"
 #include "morgagni/session/api_json.h"
 #include "morgagni/session/live_api.h"
 
@@ -19,8 +21,10 @@ class Session final : public LiveSession {
  public:
   Session(std::shared_ptr<LiveLoop> loop,
           std::unique_ptr<LiveServer> server,
+          std::optional<FolderLock> in_use,
           const LiveSessionOptions& options)
-      : loop_(std::move(loop)),
+      : in_use_(std::move(in_use)),
+        loop_(std::move(loop)),
         server_(std::move(server)),
         method_(to_string(options.loop.registration.method)),
         camera_name_(options.camera_name),
@@ -42,6 +46,7 @@ class Session final : public LiveSession {
     }
   }
 
+  std::optional<FolderLock> in_use_;
   // The loop draws into the server and the server's routes command the loop. The routes hold the
   // loop, so the loop's threads are stopped first, by ~Session.
   std::shared_ptr<LiveLoop> loop_;
@@ -62,6 +67,13 @@ class Session final : public LiveSession {
 Result<std::unique_ptr<LiveSession>> LiveSession::start(Case body,
                                                         std::unique_ptr<RangeCamera> camera,
                                                         const LiveSessionOptions& options) {
+  std::optional<FolderLock> in_use;
+  if (!body.folder.empty()) {
+    MOR_TRY(in_use,
+            FolderLock::take(body.folder,
+                             FolderLock::Kind::kShared,
+                             body.folder.string() + " is being prepared: start again after that"));
+  }
   const auto shared_body = std::make_shared<const Case>(std::move(body));
   MOR_TRY(std::shared_ptr<LiveLoop> loop,
           LiveLoop::create(shared_body, std::move(camera), options.loop));
@@ -74,7 +86,7 @@ Result<std::unique_ptr<LiveSession>> LiveSession::start(Case body,
       loop->run([sink = server.get()](ImageView<const Rgba8> picture, const PictureInfo& info) {
         sink->show(picture, info);
       }));
-  return std::make_unique<Session>(std::move(loop), std::move(server), options);
+  return std::make_unique<Session>(std::move(loop), std::move(server), std::move(in_use), options);
 }
 
 }  // namespace mor
