@@ -9,8 +9,6 @@
 #include <thread>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
 #include "morgagni/core/latest_slot.h"
 #include "morgagni/core/log.h"
 #include "morgagni/core/statistics.h"
@@ -58,6 +56,8 @@ class Loop final : public LiveLoop {
     const std::lock_guard lock(observers_mutex_);
     observers_.push_back(std::move(observe));
   }
+
+  void mark(Mark mark) override { mark_ = std::move(mark); }
 
   Result<void> run(Show show) override {
     std::promise<Result<void>> renderer_ready;
@@ -178,9 +178,9 @@ class Loop final : public LiveLoop {
     view_ = view;
   }
 
-  Image<Rgba8> snapshot() const override {
+  std::optional<Snapshot> snapshot() const override {
     const std::lock_guard lock(picture_mutex_);
-    return picture_;
+    return snapshot_;
   }
 
   LiveStatus status() const override {
@@ -379,25 +379,40 @@ class Loop final : public LiveLoop {
       log::error("the picture cannot be drawn: {}", picture.error().message);
       return;
     }
-    const nlohmann::json info = {{"frame_id", shown.frame->frame_id},
-                                 {"state", to_string(shown.state)},
-                                 {"held", shown.is_held},
-                                 {"frozen", is_still}};
-    show(*picture, {shown.frame->captured_at, info.dump()});
-    keep_snapshot(*picture);
+    const ShownPicture what = shown_picture(shown, view, is_still);
+    show(*picture, {shown.frame->captured_at, picture_json(what, mark_ ? mark_(what) : "")});
+    keep_snapshot(*picture, what);
     const std::lock_guard lock(mutex_);
     render_ms_.add(ms_between(started, Clock::now()));
     if (!is_still) shown_rate_.count(Clock::now());
   }
 
-  void keep_snapshot(ImageView<const Rgba8> picture) {
+  ShownPicture shown_picture(const TrackedFrame& shown,
+                             const ViewSettings& view,
+                             bool is_still) const {
+    const auto& calibration = *shown.frame->calibration;
+    ShownPicture what{.tracked = shown,
+                      .view = view,
+                      .is_still = is_still,
+                      .camera = calibration.color,
+                      .camera_from_ct = std::nullopt,
+                      .bound_mm = bound_in_hole(shown)};
+    if (shown.ct_from_depth)
+      what.camera_from_ct = calibration.color_from_depth * shown.ct_from_depth->inverse();
+    return what;
+  }
+
+  void keep_snapshot(ImageView<const Rgba8> picture, const ShownPicture& what) {
     const std::lock_guard lock(picture_mutex_);
-    if (picture_.width() != picture.width() || picture_.height() != picture.height()) {
-      picture_ = Image<Rgba8>(picture.width(), picture.height());
+    if (!snapshot_) snapshot_.emplace();
+    auto& pixels = snapshot_->pixels;
+    if (pixels.width() != picture.width() || pixels.height() != picture.height()) {
+      pixels = Image<Rgba8>(picture.width(), picture.height());
     }
     for (int y = 0; y < picture.height(); ++y) {
-      std::copy_n(picture.row(y), picture.width(), picture_.view().row(y));
+      std::copy_n(picture.row(y), picture.width(), pixels.view().row(y));
     }
+    snapshot_->shown = what;
   }
 
   const std::shared_ptr<const Case> body_;
@@ -428,10 +443,11 @@ class Loop final : public LiveLoop {
   RollingWindow render_ms_{kTimedFrames};
 
   mutable std::mutex picture_mutex_;
-  Image<Rgba8> picture_;
+  std::optional<Snapshot> snapshot_;
 
   std::mutex observers_mutex_;
   std::vector<Observe> observers_;
+  Mark mark_;
 
   std::mutex retry_mutex_;
   std::jthread render_thread_;  ///< The threads end first: they are destroyed before what they use.

@@ -16,6 +16,7 @@
 #include "morgagni/core/result.h"
 #include "morgagni/registration/automatic_start.h"
 #include "morgagni/registration/start.h"
+#include "morgagni/session/shown_picture.h"
 #include "morgagni/session/view_settings.h"
 #include "morgagni/stream/live_server.h"
 #include "morgagni/tracking/tracker.h"
@@ -82,6 +83,10 @@ class LiveLoop {
   /// waits for it: it hands the frame on and returns at once.
   using Observe = std::function<void(const TrackedFrame&)>;
 
+  /// Says what is marked on the body of a picture that is about to be shown: JSON that goes with
+  /// the picture as its member `marks`. Called on the render thread, which waits for it.
+  using Mark = std::function<std::string(const ShownPicture&)>;
+
   /// Makes the stages; nothing runs yet. @errors As the stages' own.
   [[nodiscard]] static Result<std::unique_ptr<LiveLoop>> create(std::shared_ptr<const Case> body,
                                                                 std::unique_ptr<RangeCamera> camera,
@@ -91,6 +96,9 @@ class LiveLoop {
   /// From now on `observe` gets each frame that is tracked, whatever becomes of it. What it looks
   /// at must live until stop() has returned.
   virtual void observe(Observe observe) = 0;
+
+  /// The same for the marks. Before run().
+  virtual void mark(Mark mark) = 0;
 
   /// Starts the threads. Returns once the renderer stands. @errors kDevice: no OpenGL.
   [[nodiscard]] virtual Result<void> run(Show show) = 0;
@@ -124,8 +132,8 @@ class LiveLoop {
   [[nodiscard]] virtual ViewSettings view() const = 0;
   virtual void set_view(const ViewSettings& view) = 0;
 
-  /// The picture last shown. Empty before the first.
-  [[nodiscard]] virtual Image<Rgba8> snapshot() const = 0;
+  /// The picture last shown. None before the first.
+  [[nodiscard]] virtual std::optional<Snapshot> snapshot() const = 0;
   [[nodiscard]] virtual LiveStatus status() const = 0;
 };
 

@@ -128,7 +128,18 @@ TEST_F(LiveLoopTest, CatchesThePlacedBodyAndShowsIt) {
     const std::lock_guard lock(mutex_);
     return num_pictures_ > 10 && last_info_["state"] == "tracking" && last_width_ == 640;
   }));
-  EXPECT_FALSE(loop_->snapshot().empty());
+  const auto snapshot = loop_->snapshot();
+  ASSERT_TRUE(snapshot);
+  EXPECT_EQ(snapshot->pixels.width(), 640);
+  ASSERT_TRUE(snapshot->shown.camera_from_ct);
+  const auto& info = snapshot->shown;
+  const auto said = Json::parse(picture_json(info, R"([{"id": "F1"}])"));
+  EXPECT_EQ(said["marks"][0]["id"], "F1");
+  ASSERT_EQ(said["ct_from_camera"].size(), 12U);
+  const Eigen::Vector3d place = (info.camera_from_ct->inverse()).translation();
+  EXPECT_EQ(said["ct_from_camera"][3], place.x());
+  EXPECT_EQ(said["ct_from_camera"][11], place.z());
+  EXPECT_NEAR(said["bound_mm"].get<double>(), 2.0, 2.0);
 }
 
 TEST_F(LiveLoopTest, ObserversGetEachTrackedFrameInOrderAlsoWhileThePictureIsFrozen) {
@@ -160,12 +171,12 @@ TEST_F(LiveLoopTest, AFrozenPictureStaysAndTheViewStillChanges) {
     const std::lock_guard lock(mutex_);
     return last_info_["frozen"] == true;
   }));
-  const auto before = loop_->snapshot();
+  const auto before = loop_->snapshot()->pixels;
   EXPECT_EQ(ask("POST /api/view", R"({"opacity": 0})").status, 200);
-  EXPECT_TRUE(eventually([&] { return loop_->snapshot() != before; }));
-  const auto without_bone = loop_->snapshot();
+  EXPECT_TRUE(eventually([&] { return loop_->snapshot()->pixels != before; }));
+  const auto without_bone = loop_->snapshot()->pixels;
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  EXPECT_EQ(loop_->snapshot(), without_bone) << "the frozen picture moved";
+  EXPECT_EQ(loop_->snapshot()->pixels, without_bone) << "the frozen picture moved";
 }
 
 TEST_F(LiveLoopTest, LandmarksTappedOnBothViewsStartTheTracking) {

@@ -33,16 +33,16 @@ Result<Json> freeze(LiveLoop& loop, const std::string& text) {
   return Json::object();
 }
 
-HttpResponse snapshot(const LiveLoop& loop) {
-  const auto picture = loop.snapshot();
-  if (picture.empty()) return api::answer(api::refuse("there is no picture yet"));
-  return api::png_answer(picture.view());
+HttpResponse snapshot_png(const LiveLoop& loop) {
+  const auto snapshot = loop.snapshot();
+  if (!snapshot) return api::answer(api::refuse("there is no picture yet"));
+  return api::png_answer(snapshot->pixels.view());
 }
 
 }  // namespace
 
 std::vector<HttpRoute> make_view_routes(std::shared_ptr<LiveLoop> loop) {
-  return {api::get("/api/snapshot.png", [=](const HttpRequest&) { return snapshot(*loop); }),
+  return {api::get("/api/snapshot.png", [=](const HttpRequest&) { return snapshot_png(*loop); }),
           api::post("/api/view", [=](const auto& text) { return change_view(*loop, text); }),
           api::post("/api/freeze", [=](const auto& text) { return freeze(*loop, text); }),
           api::post("/api/touch", [=](const auto& text) { return touch(*loop, text); })};

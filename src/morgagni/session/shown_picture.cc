@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/session/shown_picture.h"
+
+#include <nlohmann/json.hpp>
+
+namespace mor {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The upper three rows, row by row; a value holds as many digits as a double has.
+Json to_json(const Eigen::Isometry3d& pose) {
+  Json rows = Json::array();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) rows.push_back(pose(row, column));
+  }
+  return rows;
+}
+
+}  // namespace
+
+std::string picture_json(const ShownPicture& shown, const std::string& marks) {
+  Json json = {{"frame_id", shown.tracked.frame->frame_id},
+               {"state", to_string(shown.tracked.state)},
+               {"held", shown.tracked.is_held},
+               {"frozen", shown.is_still},
+               {"bound_mm", shown.bound_mm ? Json(*shown.bound_mm) : Json(nullptr)},
+               {"ct_from_camera", nullptr},
+               {"marks", Json::array()}};
+  if (shown.camera_from_ct) json["ct_from_camera"] = to_json(shown.camera_from_ct->inverse());
+  if (!marks.empty()) json["marks"] = Json::parse(marks, nullptr, /*allow_exceptions=*/false);
+  return json.dump();
+}
+
+}  // namespace mor
