@@ -48,8 +48,8 @@ constexpr std::size_t kBodyTriangles = 10000;
 constexpr float kChestWallMm = 10.0F;
 /// Into the volume, in a live picture; the rest is interpolated. Where there is fog, a ray goes
 /// through all of it.
-constexpr int kLiveRays = 65000;
-constexpr int kLiveFogRays = 20000;
+constexpr int kLiveRays = 130000;
+constexpr int kLiveFogRays = 80000;
 
 int most_rays(VolumePreset preset) {
   const bool is_fog = preset == VolumePreset::kLung || preset == VolumePreset::kSoftTissue;
@@ -156,6 +156,8 @@ class GlOverlayRenderer final : public OverlayRenderer {
 
   void cast_rays(const OverlayView& view) {
     ray_caster_->set(view.volume);
+    const bool is_lung = view.volume.preset == VolumePreset::kLung;
+    if (is_lung) grid_.update_back(body_, *view.color_from_ct);
     const PixelBox& box = mask_.box();
     int stride = 1;
     if (!view.is_still) {
@@ -168,8 +170,10 @@ class GlOverlayRenderer final : public OverlayRenderer {
          .layers = layers_,
          .cut = cut_,
          .grid = &grid_,
-         .skin_mm = view.volume.preset == VolumePreset::kLung ? kChestWallMm : 0.0F,
+         .skin_mm = is_lung ? kChestWallMm : 0.0F,
          .stride_px = stride,
+         .ray_spacing = static_cast<float>(stride / std::max(view.color_camera.focal_x_px, 1.0)),
+         .is_still = view.is_still,
          .is_open = [this, stride](
                         int x, int y) { return mask_.reaches(x, y, static_cast<float>(stride)); }},
         inside_);

@@ -10,21 +10,28 @@
 
 #include "morgagni/render/internal/fragments.h"
 #include "morgagni/render/internal/lanes.h"
+#include "morgagni/render/internal/volume_pyramid.h"
 
 namespace mor::internal {
 namespace {
 
+constexpr int kMostLevels = 4;           ///< The volume and three coarser copies.
+constexpr double kCoarsest = 1.15;       ///< Times the rays' distance: voxels may be so far apart,
+constexpr double kLiveCoarsest = 1.55;   ///< and while the picture moves.
 constexpr float kEnough = 0.98F;         ///< Opacity at which a ray ends.
-constexpr float kLeastOpacity = 0.002F;  ///< Of a sample worth lighting.
-constexpr float kDense = 0.20F;          ///< Opacity of a sample that belongs to a surface.
-constexpr float kGradientVoxels = 1.0F;  ///< Between a sample and those that say where it faces.
-constexpr float kFlatHuPerMm = 15.0F;    ///< Weaker gradients are noise: lit from all sides,
-constexpr float kSteepHuPerMm = 80.0F;   ///< stronger ones are surfaces.
+constexpr float kLeastOpacity = 0.002F;  ///< Of a sample that is seen,
+constexpr float kLeastLit = 0.01F;  ///< and of what it adds to its ray where it is worth lighting.
+/// Between a sample and those that say where it faces: a voxel, and of the longest voxel's side at
+/// least so much, else slices that are farther apart than pixels show as terraces.
+constexpr double kGradientReach = 0.8;
+constexpr float kFlatHuPerMm = 15.0F;   ///< Weaker gradients are noise: lit from all sides,
+constexpr float kSteepHuPerMm = 80.0F;  ///< stronger ones are surfaces.
 constexpr float kFlatLight = 0.80F;
 constexpr float kAmbient = 0.16F;
 constexpr float kFacing = 0.56F;
 constexpr float kKey = 0.45F;
-constexpr float kEdgeLight = 0.35F;  ///< Of the light, where a surface turns away.
+constexpr float kEdgeLight = 0.45F;  ///< Of the light, where a surface turns away.
+constexpr float kEdgeFacing = 0.4F;  ///< From here on it is no edge.
 constexpr std::array<float, 3> kKeyLight = {-0.40F, -0.66F, -0.64F};  ///< As structure.frag.glsl.
 constexpr float kFarLight = 0.62F;  ///< Of the light, at the far end of the body.
 
@@ -40,11 +47,13 @@ struct Scene {
   const std::uint8_t* distances;
   const float* opacity;
   const float* opacity_sum;
+  const float* moment_sum;
   float surface_entry;
   const std::uint32_t* colors;
   std::array<float, 3> eye;             ///< In voxels.
   Eigen::Matrix3f voxels_from_ray;      ///< Voxels a mm of z, of (x/z, y/z, 1).
   Eigen::Matrix3f color_from_gradient;  ///< HU a voxel in the grid to HU a mm in the colour frame.
+  std::array<float, 3> gradient_voxels;
   float step_mm;
   float nearest_mm;
   float farthest_mm;
@@ -91,22 +100,27 @@ Floats interpolated(const Scene& scene, const Point& at) {
   return near + (far - near) * w;
 }
 
+/// What is far in the body is darker.
+Floats darkening(const Scene& scene, Floats depth_mm) {
+  const Floats far = clamped(
+      (depth_mm - scene.nearest_mm) / (scene.farthest_mm - scene.nearest_mm), Floats{}, all(1.0F));
+  return 1.0F + (kFarLight - 1.0F) * far;
+}
+
 /// How bright a sample is from where it faces.
 Floats light_of(const Scene& scene, const Rays& rays, const Point& at, Floats depth_mm) {
   // Four corners of a cube around it, not six faces: two thirds of the reads.
-  const auto beside = [&](float dx, float dy, float dz) {
-    return interpolated(
-        scene,
-        {at.x + dx * kGradientVoxels, at.y + dy * kGradientVoxels, at.z + dz * kGradientVoxels});
+  const auto [rx, ry, rz] = scene.gradient_voxels;
+  const auto beside = [&, rx = rx, ry = ry, rz = rz](float dx, float dy, float dz) {
+    return interpolated(scene, {at.x + dx * rx, at.y + dy * ry, at.z + dz * rz});
   };
   const Floats a = beside(1, -1, -1);
   const Floats b = beside(-1, -1, 1);
   const Floats c = beside(-1, 1, -1);
   const Floats d = beside(1, 1, 1);
-  constexpr float kShare = 0.25F / kGradientVoxels;
-  const Floats gx = (a - b - c + d) * kShare;
-  const Floats gy = (c + d - a - b) * kShare;
-  const Floats gz = (b + d - a - c) * kShare;
+  const Floats gx = (a - b - c + d) * (0.25F / rx);
+  const Floats gy = (c + d - a - b) * (0.25F / ry);
+  const Floats gz = (b + d - a - c) * (0.25F / rz);
   const Eigen::Matrix3f& m = scene.color_from_gradient;
   const Floats x = m(0, 0) * gx + m(0, 1) * gy + m(0, 2) * gz;
   const Floats y = m(1, 0) * gx + m(1, 1) * gy + m(1, 2) * gz;
@@ -117,13 +131,11 @@ Floats light_of(const Scene& scene, const Rays& rays, const Point& at, Floats de
   const Floats key = -(x * kKeyLight[0] + y * kKeyLight[1] + z * kKeyLight[2]) / length;
   const Floats side = to_viewer < 0.0F ? all(-1.0F) : all(1.0F);
   const Floats facing = magnitude(to_viewer);
-  const Floats edge = least(kEdgeLight + (1.0F - kEdgeLight) * 2.0F * facing, all(1.0F));
+  const Floats edge = least(kEdgeLight + ((1.0F - kEdgeLight) / kEdgeFacing) * facing, all(1.0F));
   const Floats lit = (kAmbient + kFacing * facing + kKey * most(key * side, Floats{})) * edge;
   const Floats steep =
       clamped((length - kFlatHuPerMm) / (kSteepHuPerMm - kFlatHuPerMm), Floats{}, all(1.0F));
-  const Floats far = clamped(
-      (depth_mm - scene.nearest_mm) / (scene.farthest_mm - scene.nearest_mm), Floats{}, all(1.0F));
-  return (kFlatLight + (lit - kFlatLight) * steep) * (1.0F + (kFarLight - 1.0F) * far);
+  return (kFlatLight + (lit - kFlatLight) * steep) * darkening(scene, depth_mm);
 }
 
 /// z at which each ray leaves the cube of transparent bricks around its own.
@@ -154,6 +166,16 @@ Point place_at(const Scene& scene, const Rays& rays, Floats depth_mm) {
           scene.eye[2] + depth_mm * rays.voxels_per_mm.z};
 }
 
+/// Where between two samples most of the opacity lies: that is the colour which is seen.
+Ints middle_entry(const Scene& scene, Ints before, Ints entry, Floats opacity_sum) {
+  const Floats moment =
+      gather_floats(scene.moment_sum, entry) - gather_floats(scene.moment_sum, before);
+  const Floats a = real(before);
+  const Floats b = real(entry);
+  const Floats middle = moment / (opacity_sum == 0.0F ? all(1.0F) : opacity_sum);
+  return whole(clamped(middle, least(a, b), most(a, b)) + 0.5F);
+}
+
 void add_samples(const Scene& scene, Rays& rays, const Point& at, Floats depth_mm, Ints taken) {
   const Ints entry = entry_at(scene, at);
   Ints before = rays.last_entry;
@@ -174,10 +196,11 @@ void add_samples(const Scene& scene, Rays& rays, const Point& at, Floats depth_m
     rays.is_inside = taken ? Ints{} : rays.is_inside;
     return;
   }
-  const Ints is_dense = opacity > kDense;
+  const Ints is_dense = real(entry) > all(scene.surface_entry);
   const Ints goes_on = is_dense & rays.is_inside;
   Floats light = rays.light;
-  if (any((opacity > kLeastOpacity) & ~goes_on)) {
+  const Floats share = opacity * (1.0F - rays.opacity);
+  if (any((share > kLeastLit) & ~goes_on)) {
     // Lit where the surface is, not where the sample happens to be behind it: else there are rings.
     const Floats own = real(entry);
     const Floats last = real(before);
@@ -186,12 +209,12 @@ void add_samples(const Scene& scene, Rays& rays, const Point& at, Floats depth_m
     const Floats lit_mm = comes_in ? depth_mm - back * rays.step_mm : depth_mm;
     const Floats fresh = light_of(scene, rays, place_at(scene, rays, lit_mm), lit_mm);
     light = goes_on ? light : fresh;
+  } else {
+    light = goes_on ? light : all(kFlatLight) * darkening(scene, depth_mm);
   }
   rays.light = light;
   rays.is_inside = taken ? is_dense : rays.is_inside;
-  const Floats there = gather_floats(scene.opacity, before);
-  const Ints color = gather<4>(scene.colors, here < there ? before : entry);
-  const Floats share = opacity * (1.0F - rays.opacity);
+  const Ints color = gather<4>(scene.colors, middle_entry(scene, before, entry, sum));
   const Floats weight = share * light;
   rays.red += weight * real(color & 255);
   rays.green += weight * real((color >> 8) & 255);
@@ -291,8 +314,11 @@ Scene scene_of(const Volume& volume, const Eigen::Isometry3d& color_from_ct) {
   const Eigen::Isometry3d grid_from_color = (color_from_ct * volume.ct_from_grid).inverse();
   const Eigen::Vector3d per_mm = volume.spacing_mm.cwiseInverse();
   const Eigen::Vector3d eye = grid_from_color.translation().cwiseProduct(per_mm);
+  const double reach_mm = kGradientReach * volume.spacing_mm.maxCoeff();
   for (int axis = 0; axis < 3; ++axis) {
     scene.eye[static_cast<std::size_t>(axis)] = static_cast<float>(eye[axis]);
+    scene.gradient_voxels[static_cast<std::size_t>(axis)] =
+        static_cast<float>(std::max(1.0, reach_mm * per_mm[axis]));
   }
   scene.voxels_from_ray = (per_mm.asDiagonal() * grid_from_color.linear()).cast<float>();
   scene.color_from_gradient =
@@ -308,6 +334,20 @@ Scene scene_of(const Volume& volume, const Eigen::Isometry3d& color_from_ct) {
     scene.farthest_mm = std::max(scene.farthest_mm, static_cast<float>(place.z()) + 1.0F);
   }
   return scene;
+}
+
+void stay_below_skin(const RayBundle& bundle, Floats x, Floats y, Rays& rays) {
+  for (int lane = 0; lane < kNumLanes; ++lane) {
+    const Eigen::Vector2f ray(x[lane], y[lane]);
+    const float skin_mm = bundle.grid->skin_at(ray);
+    const float back_mm = bundle.grid->back_at(ray);
+    if (skin_mm > 0.0F) {
+      rays.first_mm[lane] = std::max(rays.first_mm[lane], skin_mm + bundle.skin_mm);
+    }
+    if (back_mm > 0.0F) {
+      rays.last_mm[lane] = std::min(rays.last_mm[lane], back_mm - bundle.skin_mm);
+    }
+  }
 }
 
 /// Eight pixels of a row, `stride_px` apart.
@@ -332,14 +372,7 @@ std::array<Rgba8, kNumLanes> cast_packet(const Scene& scene,
   if (!any(open)) return {};
   Rays rays = enter(scene, x, y);
   if (bundle.cut) cut_away(*bundle.cut, x, y, rays);
-  if (bundle.grid != nullptr && bundle.skin_mm > 0.0F) {
-    for (int lane = 0; lane < kNumLanes; ++lane) {
-      const float skin_mm = bundle.grid->skin_at({x[lane], y[lane]});
-      if (skin_mm > 0.0F) {
-        rays.first_mm[lane] = std::max(rays.first_mm[lane], skin_mm + bundle.skin_mm);
-      }
-    }
-  }
+  if (bundle.grid != nullptr && bundle.skin_mm > 0.0F) stay_below_skin(bundle, x, y, rays);
   rays.first_mm = open ? rays.first_mm + 0.5F * rays.step_mm : all(kNoDepth);
   std::array<int, kNumLanes> next{};
   for (bool is_more = true; is_more;) {
@@ -390,14 +423,18 @@ void interpolate(const std::vector<Rgba8>& coarse, int coarse_width, int stride,
   });
 }
 
-float step_of(const Volume& volume) {
-  return static_cast<float>(volume.spacing_mm.minCoeff());
-}
-
 }  // namespace
 
-RayCaster::RayCaster(std::shared_ptr<const Volume> volume)
-    : volume_(std::move(volume)), bricks_(*volume_), step_mm_(step_of(*volume_)) {}
+RayCaster::Level::Level(std::shared_ptr<const Volume> voxels)
+    : volume(std::move(voxels)),
+      bricks(*volume),
+      step_mm(static_cast<float>(volume->spacing_mm.minCoeff())) {}
+
+RayCaster::RayCaster(std::shared_ptr<const Volume> volume) {
+  for (auto& level : make_volume_pyramid(std::move(volume), kMostLevels)) {
+    levels_.emplace_back(std::move(level));
+  }
+}
 
 void RayCaster::set(const VolumeView& view) {
   if (view_ && view_->preset == view.preset && view_->level_hu == view.level_hu &&
@@ -405,20 +442,40 @@ void RayCaster::set(const VolumeView& view) {
     return;
   }
   view_ = view;
-  table_ = make_transfer_table(view, step_mm_);
-  distances_ = bricks_.distances_to_seen(table_);
-  distances_.resize(distances_.size() + sizeof(std::int32_t));  // Read four at a time.
+  for (Level& level : levels_) {
+    level.table = make_transfer_table(view, level.step_mm);
+    level.distances = level.bricks.distances_to_seen(level.table);
+    level.distances.resize(level.distances.size() + sizeof(std::int32_t));  // Read four at a time.
+  }
+}
+
+const RayCaster::Level& RayCaster::level_for(const RayBundle& bundle) const {
+  const Volume& volume = *levels_.front().volume;
+  const Eigen::Vector3d last =
+      Eigen::Vector3i(volume.size[0] - 1, volume.size[1] - 1, volume.size[2] - 1).cast<double>();
+  const Eigen::Vector3d middle = 0.5 * last.cwiseProduct(volume.spacing_mm);
+  const double away_mm = (bundle.color_from_ct * (volume.ct_from_grid * middle)).norm();
+  const double apart_mm = away_mm * static_cast<double>(bundle.ray_spacing);
+  const double coarsest = bundle.is_still ? kCoarsest : kLiveCoarsest;
+  std::size_t level = 0;
+  while (level + 1 < levels_.size() &&
+         static_cast<double>(levels_[level + 1].step_mm) <= coarsest * apart_mm) {
+    ++level;
+  }
+  return levels_[level];
 }
 
 void RayCaster::cast(const RayBundle& bundle, Layer& seen) const {
-  Scene scene = scene_of(*volume_, bundle.color_from_ct);
-  scene.bricks = bricks_.size();
-  scene.distances = distances_.data();
-  scene.opacity = table_.opacity.data();
-  scene.opacity_sum = table_.opacity_sum.data();
-  scene.surface_entry = table_.surface_entry;
-  scene.colors = table_.colors.data();
-  scene.step_mm = step_mm_;
+  const Level& level = level_for(bundle);
+  Scene scene = scene_of(*level.volume, bundle.color_from_ct);
+  scene.bricks = level.bricks.size();
+  scene.distances = level.distances.data();
+  scene.opacity = level.table.opacity.data();
+  scene.opacity_sum = level.table.opacity_sum.data();
+  scene.moment_sum = level.table.moment_sum.data();
+  scene.surface_entry = level.table.surface_entry;
+  scene.colors = level.table.colors.data();
+  scene.step_mm = level.step_mm;
   const PixelBox& box = seen.box;
   const int stride = bundle.stride_px;
   // One more than fits, so that each pixel lies between two.

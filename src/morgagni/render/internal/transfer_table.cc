@@ -45,6 +45,7 @@ TransferTable make_transfer_table(const VolumeView& view, float step_mm) {
   TransferTable table;
   table.opacity.resize(TransferTable::kNumEntries);
   table.opacity_sum.resize(TransferTable::kNumEntries);
+  table.moment_sum.resize(TransferTable::kNumEntries);
   table.colors.resize(TransferTable::kNumEntries);
   table.num_seen_below.resize(TransferTable::kNumEntries + 1);
   const auto points = transfer_points(view.preset);
@@ -66,6 +67,9 @@ TransferTable make_transfer_table(const VolumeView& view, float step_mm) {
     if (i > 0) {
       table.opacity_sum[entry] =
           table.opacity_sum[entry - 1] + 0.5F * (table.opacity[entry - 1] + table.opacity[entry]);
+      const float middle = static_cast<float>(i) - 0.5F;
+      table.moment_sum[entry] = table.moment_sum[entry - 1] +
+                                middle * (table.opacity_sum[entry] - table.opacity_sum[entry - 1]);
     }
     table.num_seen_below[entry + 1] =
         table.num_seen_below[entry] + (table.opacity[entry] > 0.0F ? 1 : 0);

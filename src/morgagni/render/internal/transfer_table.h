@@ -18,6 +18,7 @@ struct TransferTable {
   std::vector<float> opacity;      ///< On one step of the ray, 0..1.
   std::vector<float> opacity_sum;  ///< From the first entry to each: the mean opacity between two
                                    ///< samples is a difference, however steep the function is.
+  std::vector<float> moment_sum;   ///< Of opacity times entry: where between two samples it lies.
   float surface_entry = kNumEntries;  ///< The first that is so dense that it is seen as a surface.
   std::vector<std::uint32_t> colors;  ///< 0x00bbggrr, not premultiplied.
   std::vector<std::int32_t> num_seen_below;  ///< Entries below this one that are not transparent.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "morgagni/geometry/depth_raster.h"
@@ -31,6 +32,18 @@ void around(const Image<float>& cells, const Eigen::Vector2f& place, const Visit
   visit(cells(right, bottom), to_right * down);
 }
 
+/// Of the four cells around a place, those that have something. 0: none has.
+float mean_of(const Image<float>& cells, const Eigen::Vector2f& place) {
+  float sum = 0.0F;
+  float share = 0.0F;
+  around(cells, place, [&](float cell, float weight) {
+    if (cell <= 0.0F) return;
+    sum += weight * cell;
+    share += weight;
+  });
+  return share > 0.0F ? sum / share : 0.0F;
+}
+
 }  // namespace
 
 void ViewGrid::update(const PinholeCamera& color_camera,
@@ -47,6 +60,29 @@ void ViewGrid::update(const PinholeCamera& color_camera,
   skin_mm_ = has_skin_ ? rasterize_depth(skin, camera_, color_from_ct).depth_mm
                        : Image<float>(camera_.width_px, camera_.height_px);
   if (has_skin_) smooth_shares();
+}
+
+/// The nearest surface is what a raster keeps. z -> z * pole / (z - pole) leaves every point on its
+/// ray and every plane a plane, and makes the farthest the nearest.
+void ViewGrid::update_back(const TriangleMesh& skin, const Eigen::Isometry3d& color_from_ct) {
+  TriangleMesh turned;
+  turned.triangles = skin.triangles;
+  turned.vertices.reserve(skin.vertices.size());
+  const Eigen::Isometry3f pose = color_from_ct.cast<float>();
+  float nearest_mm = std::numeric_limits<float>::max();
+  for (const Eigen::Vector3f& vertex : skin.vertices) {
+    turned.vertices.push_back(pose * vertex);
+    nearest_mm = std::min(nearest_mm, turned.vertices.back().z());
+  }
+  back_mm_ = Image<float>(camera_.width_px, camera_.height_px);
+  if (!(nearest_mm > 1.0F) || skin.empty()) return;  // The camera is within it.
+  const float pole_mm = 0.5F * nearest_mm;
+  for (Eigen::Vector3f& vertex : turned.vertices) vertex *= pole_mm / (vertex.z() - pole_mm);
+  back_mm_ = rasterize_depth(turned, camera_, Eigen::Isometry3d::Identity()).depth_mm;
+  for (std::size_t i = 0; i < back_mm_.size(); ++i) {
+    float& z = back_mm_.data()[i];
+    if (z > pole_mm) z = z * pole_mm / (z - pole_mm);
+  }
 }
 
 /// The mean over three by three cells: of a straight outline nothing is left of its steps.
@@ -81,14 +117,11 @@ float ViewGrid::body_share(const Eigen::Vector2f& ray) const {
 }
 
 float ViewGrid::skin_at(const Eigen::Vector2f& ray) const {
-  float sum = 0.0F;
-  float share = 0.0F;
-  around(skin_mm_, cell_of(ray), [&](float skin, float weight) {
-    if (skin <= 0.0F) return;
-    sum += weight * skin;
-    share += weight;
-  });
-  return share > 0.0F ? sum / share : 0.0F;
+  return mean_of(skin_mm_, cell_of(ray));
+}
+
+float ViewGrid::back_at(const Eigen::Vector2f& ray) const {
+  return mean_of(back_mm_, cell_of(ray));
 }
 
 }  // namespace mor::internal

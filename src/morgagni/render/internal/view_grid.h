@@ -19,6 +19,9 @@ class ViewGrid {
               const TriangleMesh& skin,
               const Eigen::Isometry3d& color_from_ct);
 
+  /// Where the body ends, for back_at(). @param skin, color_from_ct  As update() had them.
+  void update_back(const TriangleMesh& skin, const Eigen::Isometry3d& color_from_ct);
+
   [[nodiscard]] int width() const { return camera_.width_px; }
   [[nodiscard]] int height() const { return camera_.height_px; }
   /// z of the CT skin in each cell, colour frame; 0: no skin there.
@@ -35,6 +38,9 @@ class ViewGrid {
   /// z of the skin at a ray, of the cells around it that have some; 0: none has.
   [[nodiscard]] float skin_at(const Eigen::Vector2f& ray) const;
 
+  /// z of the farthest skin at a ray; 0: there is none.
+  [[nodiscard]] float back_at(const Eigen::Vector2f& ray) const;
+
  private:
   void smooth_shares();
 
@@ -43,6 +49,7 @@ class ViewGrid {
   Eigen::Vector2f center_ = Eigen::Vector2f::Zero();
   bool has_skin_ = false;
   Image<float> skin_mm_;
+  Image<float> back_mm_;
   Image<float> shares_;  ///< Of the body, without the steps of the cells.
   Image<float> scratch_;
 };
