@@ -77,8 +77,8 @@ void prepare(const Arguments& arguments) {
       summary.reading_seconds,
       summary.seconds);
   print_cut(summary.cut);
-  if (!summary.label_names.empty())
-    fmt::print("structures: bone, {}\n", fmt::join(summary.label_names, ", "));
+  if (!summary.structure_names.empty())
+    fmt::print("structures: bone, {}\n", fmt::join(summary.structure_names, ", "));
 }
 
 }  // namespace

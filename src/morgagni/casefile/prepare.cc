@@ -57,6 +57,14 @@ Json to_json(const PrepareOptions& options) {
            {{"threshold_hu", bone.threshold_hu},
             {"min_component_mm3", bone.min_component_mm3},
             {"num_triangles", bone.num_triangles}}},
+          {"automatic",
+           {{"gas_hu", options.automatic.gas_hu},
+            {"lung_min_mean_hu", options.automatic.lung_min_mean_hu},
+            {"min_lung_ml", options.automatic.min_lung_ml},
+            {"min_gas_ml", options.automatic.min_gas_ml},
+            {"metal_hu", options.automatic.metal_hu},
+            {"min_metal_mm3", options.automatic.min_metal_mm3},
+            {"num_triangles", options.automatic.num_triangles}}},
           {"labels",
            {{"num_triangles", options.labels.num_triangles},
             {"min_volume_mm3", options.labels.min_volume_mm3},
@@ -179,12 +187,13 @@ Result<void> check_place(const Volume& labels, const Volume& volume, const fs::p
                                 path.string()));
 }
 
-/// The structures of all label maps, each name once.
-Result<std::vector<LabelSurface>> read_label_maps(const PrepareOptions& options,
-                                                  const Volume& volume,
-                                                  const Progress& progress) {
-  std::vector<LabelSurface> all;
+/// Adds the structures of all label maps; each name is there once.
+Result<void> add_label_maps(const PrepareOptions& options,
+                            const Volume& volume,
+                            std::vector<LabelSurface>& all,
+                            const Progress& progress) {
   std::set<std::string> names = {"bone", "skin"};
+  for (const auto& surface : all) names.insert(surface.name);
   for (const auto& path : options.label_maps) {
     MOR_TRY(LabelMap labels, import_label_map(path, progress));
     MOR_CHECK(check_place(labels.voxels, volume, path));
@@ -199,17 +208,17 @@ Result<std::vector<LabelSurface>> read_label_maps(const PrepareOptions& options,
       all.push_back(std::move(surface));
     }
   }
-  if (all.size() < kMaxStructures) return all;
-  return make_error(ErrorCode::kInvalidArgument,
-                    fmt::format("the label maps hold {} structures, a case takes up to {}",
-                                all.size(),
-                                kMaxStructures - 1));
+  if (all.size() < kMaxStructures) return {};
+  return make_error(
+      ErrorCode::kInvalidArgument,
+      fmt::format(
+          "there are {} structures, a case takes up to {}", all.size(), kMaxStructures - 1));
 }
 
 struct Prepared {
   TriangleMesh skin;
   TriangleMesh bone;
-  std::vector<LabelSurface> labels;
+  std::vector<LabelSurface> structures;  ///< Beside the bone.
   DistanceField field;
   std::vector<std::byte> preview;  ///< PNG.
   Volume body;
@@ -226,12 +235,13 @@ Result<void> write_case(const fs::path& folder, const Prepared& prepared, Json& 
     document["structures"].push_back(
         {{"name", "bone"}, {"file", internal::kBoneFile}, {"color", to_json(kBoneColor)}});
   }
-  for (std::size_t i = 0; i < prepared.labels.size(); ++i) {
-    const auto& label = prepared.labels[i];
+  for (std::size_t i = 0; i < prepared.structures.size(); ++i) {
+    const auto& structure = prepared.structures[i];
     const std::string file = fmt::format("structure_{:03}.ply", i + 1);
-    MOR_CHECK(write_ply(folder / file, label.mesh));
-    document["structures"].push_back(
-        {{"name", label.name}, {"file", file}, {"color", to_json(label.color.cast<double>())}});
+    MOR_CHECK(write_ply(folder / file, structure.mesh));
+    document["structures"].push_back({{"name", structure.name},
+                                      {"file", file},
+                                      {"color", to_json(structure.color.cast<double>())}});
   }
   MOR_TRY(document["files"], hashes(folder));
   return write_file(folder / kCaseFile, document.dump(2) + "\n");
@@ -246,6 +256,7 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
   MOR_CHECK(options.skin.check());
   MOR_CHECK(options.bone.check());
   MOR_CHECK(options.labels.check());
+  MOR_CHECK(options.automatic.check());
   MOR_CHECK(check_target(folder));
   MOR_TRY(const auto lock, lock_case(folder));
 
@@ -257,7 +268,8 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
 
   MOR_TRY(auto skin, extract_skin(volume, options.skin, progress));
   MOR_TRY(auto bone, extract_bone(volume, options.bone, progress));
-  MOR_TRY(auto labels, read_label_maps(options, volume, progress));
+  MOR_TRY(auto structures, extract_automatic_structures(skin.body, options.automatic, progress));
+  MOR_CHECK(add_label_maps(options, volume, structures, progress));
   progress("distance field", 0.0);
   MOR_TRY(auto field, DistanceField::build(skin.remeshed));
   progress("distance field", 1.0);
@@ -267,7 +279,7 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
   summary.num_full_skin_vertices = skin.full.vertices.size();
   summary.num_bone_triangles = bone.triangles.size();
   summary.cut = skin.preview.cut;
-  for (const auto& label : labels) summary.label_names.push_back(label.name);
+  for (const auto& structure : structures) summary.structure_names.push_back(structure.name);
 
   progress("write case", 0.0);
   MOR_TRY(auto pending, PendingFolder::create(folder));
@@ -282,7 +294,7 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
   MOR_CHECK(write_case(pending.path(),
                        {std::move(skin.remeshed),
                         std::move(bone),
-                        std::move(labels),
+                        std::move(structures),
                         std::move(field),
                         encode_png(skin.preview.picture.view()),
                         std::move(skin.body)},

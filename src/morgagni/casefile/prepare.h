@@ -8,6 +8,7 @@
 
 #include "morgagni/core/progress.h"
 #include "morgagni/core/result.h"
+#include "morgagni/ct/automatic_structures.h"
 #include "morgagni/ct/label_map.h"
 #include "morgagni/ct/surfaces.h"
 #include "morgagni/ct/volume_import.h"
@@ -19,6 +20,7 @@ struct PrepareOptions {
   std::vector<std::filesystem::path> label_maps;  ///< Structures that were segmented elsewhere.
   bool total_segmentator = false;  ///< Labels without names are TotalSegmentator's "total".
   LabelSurfaceOptions labels;
+  AutomaticStructureOptions automatic;
   SkinOptions skin;
   BoneOptions bone;
 };
@@ -28,9 +30,9 @@ struct PrepareSummary {
   std::size_t num_skin_vertices = 0;
   std::size_t num_full_skin_vertices = 0;
   std::size_t num_bone_triangles = 0;
-  std::vector<std::string> label_names;  ///< Of the structures from label maps.
-  std::vector<CutPart> cut;              ///< What lay beside the body.
-  double seconds = 0.0;                  ///< After reading.
+  std::vector<std::string> structure_names;  ///< Beside the bone.
+  std::vector<CutPart> cut;                  ///< What lay beside the body.
+  double seconds = 0.0;                      ///< After reading.
   double reading_seconds = 0.0;
 };
 

@@ -119,7 +119,7 @@ TEST_F(PrepareTest, TakesStructuresFromLabelMaps) {
   with_labels.total_segmentator = true;
   const auto summary = prepare_case(ct_, case_, with_labels, kQuiet);
   ASSERT_TRUE(summary) << summary.error().message;
-  EXPECT_THAT(summary->label_names,
+  EXPECT_THAT(summary->structure_names,
               testing::ElementsAre("liver", "pancreas", "liver 2", "pancreas 2"));
   const auto body = load_case(case_).value();
   ASSERT_EQ(body.structures.size(), 5U);

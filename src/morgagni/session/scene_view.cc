@@ -35,7 +35,10 @@ RenderScene scene_of(const Case& body) {
 
 ViewSettings first_view(const Case& body) {
   ViewSettings view;
-  for (const auto& structure : body.structures) view.structures[structure.name] = {true, 1.0F};
+  for (const auto& structure : body.structures) {
+    const bool fills = structure.name == "lungs" || structure.name == "gas";
+    view.structures[structure.name] = {!fills, 1.0F};
+  }
   view.structures.try_emplace(kSkinName, StructureLook{false, kSkinOpacity});
   view.has_ct = body.volume != nullptr;
   return view;

@@ -16,7 +16,8 @@ namespace mor {
 /// What of a case the renderer draws: its structures, its skin, its CT.
 [[nodiscard]] RenderScene scene_of(const Case& body);
 
-/// The view that a case begins with: all its structures but the skin, in a hole in the middle.
+/// The view that a case begins with: its structures in a hole in the middle, but for the skin and
+/// what fills the body (lungs, gas), which would hide the rest.
 [[nodiscard]] ViewSettings first_view(const Case& body);
 
 /// What the user wants to see, on this frame at this pose.
