@@ -57,6 +57,14 @@ constexpr std::array kWanted = {Tag::kReferencedFileId,
                                 Tag::kLossy,
                                 Tag::kPixelMeasures,
                                 Tag::kPixelValues,
+                                Tag::kSegmentationType,
+                                Tag::kSegments,
+                                Tag::kSegmentNumber,
+                                Tag::kSegmentLabel,
+                                Tag::kSegmentIdentification,
+                                Tag::kReferencedSegment,
+                                Tag::kSegmentColor,
+                                Tag::kMaxFraction,
                                 Tag::kSharedGroups,
                                 Tag::kFrameGroups,
                                 Tag::kPixelData};
@@ -69,7 +77,8 @@ bool is_wanted(Tag tag) {
 bool is_sequence(Tag tag) {
   return tag == Tag::kDirectoryRecords || tag == Tag::kFrameTypes || tag == Tag::kPlanePositions ||
          tag == Tag::kPlaneOrientations || tag == Tag::kPixelMeasures || tag == Tag::kPixelValues ||
-         tag == Tag::kSharedGroups || tag == Tag::kFrameGroups;
+         tag == Tag::kSharedGroups || tag == Tag::kFrameGroups || tag == Tag::kSegments ||
+         tag == Tag::kSegmentIdentification;
 }
 
 bool has_long_length(std::string_view type) {
@@ -319,8 +328,14 @@ std::vector<double> DicomDataSet::numbers(Tag tag) const {
 std::optional<std::uint16_t> DicomDataSet::uint16(Tag tag) const {
   const auto* element = find(tag);
   if (element == nullptr || element->value.size() != 2) return std::nullopt;
-  const auto a = std::to_integer<unsigned>(element->value[0]);
-  const auto b = std::to_integer<unsigned>(element->value[1]);
+  return uint16_at(tag, 0);
+}
+
+std::optional<std::uint16_t> DicomDataSet::uint16_at(Tag tag, std::size_t index) const {
+  const auto* element = find(tag);
+  if (element == nullptr || element->value.size() < 2 * (index + 1)) return std::nullopt;
+  const auto a = std::to_integer<unsigned>(element->value[2 * index]);
+  const auto b = std::to_integer<unsigned>(element->value[2 * index + 1]);
   return static_cast<std::uint16_t>(big_endian ? a << 8 | b : b << 8 | a);
 }
 

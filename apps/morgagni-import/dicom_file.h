@@ -48,6 +48,14 @@ enum class Tag : std::uint32_t {
   kLossy = 0x0028'2110,
   kPixelMeasures = 0x0028'9110,
   kPixelValues = 0x0028'9145,
+  kSegmentationType = 0x0062'0001,
+  kSegments = 0x0062'0002,
+  kSegmentNumber = 0x0062'0004,
+  kSegmentLabel = 0x0062'0005,
+  kSegmentIdentification = 0x0062'000a,
+  kReferencedSegment = 0x0062'000b,
+  kSegmentColor = 0x0062'000d,
+  kMaxFraction = 0x0062'000e,
   kSharedGroups = 0x5200'9229,
   kFrameGroups = 0x5200'9230,
   kPixelData = 0x7fe0'0010,
@@ -76,6 +84,8 @@ struct DicomDataSet {
   [[nodiscard]] std::vector<double> numbers(Tag tag) const;
   /// Of an element that holds a binary 16-bit number.
   [[nodiscard]] std::optional<std::uint16_t> uint16(Tag tag) const;
+  /// Of an element that holds several: one of them.
+  [[nodiscard]] std::optional<std::uint16_t> uint16_at(Tag tag, std::size_t index) const;
 };
 
 /// A parsed DICOM file. Spans point into the bytes it was parsed from, or into `inflated`.

@@ -11,6 +11,7 @@
 
 #include <sys/stat.h>
 
+#include "dicom_segmentation.h"
 #include "dicom_study.h"
 #include "image_file.h"
 #include "messages.h"
@@ -29,8 +30,11 @@ struct Job {
 };
 
 Result<void> work(const Job& job) {
-  if (job.task == mor::kReadLabelsTask) return mor::import::import_label_file(job.path);
   const bool is_study = fs::is_directory(job.path) || mor::import::is_study_file(job.path);
+  if (job.task == mor::kReadLabelsTask) {
+    return is_study ? mor::import::import_dicom_segmentation(job.path)
+                    : mor::import::import_label_file(job.path);
+  }
   if (job.task == mor::kListSeriesTask) {
     if (is_study) return mor::import::list_dicom_series(job.path);
     return mor::make_error(mor::ErrorCode::kUnsupported,

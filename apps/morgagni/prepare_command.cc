@@ -105,8 +105,8 @@ void add_prepare_command(CLI::App& app) {
       ->add_option(
           "--labels",
           arguments->options.label_maps,
-          "Structures: a label map (NIfTI, NRRD, MetaImage) made from this CT; may be given "
-          "several times")
+          "Structures: a label map (NIfTI, NRRD, MetaImage, DICOM Segmentation) made from this "
+          "CT; may be given several times")
       ->expected(1)
       ->take_all();
   command->add_flag("--total-segmentator",

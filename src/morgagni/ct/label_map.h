@@ -25,8 +25,9 @@ struct LabelMap {
   std::vector<LabelName> names;  ///< As far as the file says them.
 };
 
-/// Reads a label map (NIfTI, NRRD, MetaImage) as import_volume() reads a CT. Names and colours come
-/// from 3D Slicer's NRRD keys or the label table that TotalSegmentator writes into its NIfTI.
+/// Reads a label map (NIfTI, NRRD, MetaImage, DICOM Segmentation) as import_volume() reads a CT.
+/// Names and colours come from 3D Slicer's NRRD keys, the label table that TotalSegmentator writes
+/// into its NIfTI, or the DICOM segments.
 /// @errors As import_volume(); kInvalidArgument: voxels that are no whole numbers from 0 to 32767.
 [[nodiscard]] Result<LabelMap> import_label_map(const std::filesystem::path& path,
                                                 const Progress& progress);
