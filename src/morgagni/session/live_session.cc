@@ -10,6 +10,7 @@
 
 #include "morgagni/core/folder_lock.h"
 #include "morgagni/session/api_json.h"
+#include "morgagni/session/findings_routes.h"
 #include "morgagni/session/live_api.h"
 
 namespace mor {
@@ -77,9 +78,12 @@ Result<std::unique_ptr<LiveSession>> LiveSession::start(Case body,
   const auto shared_body = std::make_shared<const Case>(std::move(body));
   MOR_TRY(std::shared_ptr<LiveLoop> loop,
           LiveLoop::create(shared_body, std::move(camera), options.loop));
+  const auto desk = std::make_shared<FindingsDesk>(shared_body, loop);
+  loop->mark([desk = desk.get()](const ShownPicture& shown) { return desk->marks(shown); });
   // Each topic has its routes in a file of its own and joins the others with one line.
   std::vector<HttpRoute> routes = api::joined({
       make_live_routes(shared_body, loop, options.loop.placement),
+      make_findings_routes(desk),
   });
   MOR_TRY(auto server, LiveServer::start(options.server, std::move(routes)));
   MOR_CHECK(
