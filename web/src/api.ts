@@ -17,6 +17,7 @@ export interface View {
   hole_x: number;
   hole_y: number;
   hands_in_front: boolean;
+  outlines: boolean;
   structures: Record<string, boolean>;
   structure_opacity: Record<string, number>;
   slice: SlicePlane;

@@ -29,6 +29,7 @@ export class ModesPanel {
   private readonly noCt = h('p', { class: 'tip', hidden: true },
     'This case keeps no CT voxels: prepare it again to see slices and volume.');
   private readonly hands: HTMLButtonElement;
+  private readonly outlines: HTMLButtonElement;
   private readonly cuts: HTMLButtonElement;
   private readonly plane;
   private readonly preset;
@@ -59,6 +60,8 @@ export class ModesPanel {
       (volume_window_hu) => change({ volume_window_hu }));
     this.hands = toggle('Hands stay in front',
       () => this.send({ hands_in_front: !(this.shown?.hands_in_front ?? true) }));
+    this.outlines = toggle('Outline what is hidden',
+      () => this.send({ outlines: !(this.shown?.outlines ?? false) }));
     this.cuts = toggle('Cut away what is before it',
       () => this.send({ slice_cuts: !(this.shown?.slice_cuts ?? true) }));
     this.sliceControls = h('div', { class: 'slice-controls', hidden: true },
@@ -70,7 +73,7 @@ export class ModesPanel {
       this.volumeLevel.element, this.volumeWindow.element);
     this.ct.append(this.plane.element, this.sliceControls, this.preset.element, this.volumeControls);
     this.element = h('details', { class: 'group modes' },
-      h('summary', {}, 'More views'), this.hands, this.opacities, this.ct, this.noCt);
+      h('summary', {}, 'More views'), this.hands, this.outlines, this.opacities, this.ct, this.noCt);
   }
 
   showCase(info: CaseInfo): void {
@@ -92,6 +95,7 @@ export class ModesPanel {
       show(view.structure_opacity[name] ?? 1);
     }
     this.hands.setAttribute('aria-pressed', String(view.hands_in_front));
+    this.outlines.setAttribute('aria-pressed', String(view.outlines));
     this.cuts.setAttribute('aria-pressed', String(view.slice_cuts));
     this.plane.show(view.slice);
     this.preset.show(view.volume);

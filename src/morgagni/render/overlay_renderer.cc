@@ -13,6 +13,7 @@
 #include "morgagni/render/internal/gl_context.h"
 #include "morgagni/render/internal/hole_wall.h"
 #include "morgagni/render/internal/occluders.h"
+#include "morgagni/render/internal/outlines.h"
 #include "morgagni/render/internal/picture_rays.h"
 #include "morgagni/render/internal/ray_caster.h"
 #include "morgagni/render/internal/slice_layer.h"
@@ -113,7 +114,7 @@ class GlOverlayRenderer final : public OverlayRenderer {
     grid_.update(view.color_camera, body_, *view.color_from_ct);
     MOR_CHECK(draw_layers(view, box));
     const bool has_volume = ray_caster_ && view.volume.preset != VolumePreset::kNone;
-    if (layers_.empty() && !has_volume) return {};
+    if (layers_.empty() && !has_volume && !view.has_outlines) return {};
     if (mask_.has_rim()) {
       Layer& wall = layers_.emplace_back();
       wall.clear(box);
@@ -125,15 +126,34 @@ class GlOverlayRenderer final : public OverlayRenderer {
     } else {
       internal::merge_layers(layers_, inside_);
     }
+    const PixelBox touched = view.has_outlines ? whole_picture() : box;
     const bool is_something_in_front =
-        view.measured && occluders_.update(*view.measured, grid_, color, rays_, box);
-    internal::compose_hole(mask_,
-                           inside_,
-                           rays_,
-                           grid_,
-                           is_something_in_front ? &occluders_ : nullptr,
-                           picture_.view());
+        view.measured && occluders_.update(*view.measured, grid_, color, rays_, touched);
+    const Occluders* const in_front = is_something_in_front ? &occluders_ : nullptr;
+    internal::compose_hole(mask_, inside_, rays_, grid_, in_front, picture_.view());
+    return view.has_outlines ? draw_outlines(view, has_volume, in_front) : Result<void>();
+  }
+
+  Result<void> draw_outlines(const OverlayView& view, bool has_volume, const Occluders* in_front) {
+    MOR_TRY(const auto structures,
+            structures_.draw_each({view.color_camera,
+                                   *view.color_from_ct,
+                                   view.structure_opacity,
+                                   cut_,
+                                   whole_picture()}));
+    internal::draw_hidden_outlines(structures,
+                                   {.mask = &mask_,
+                                    .layers = layers_,
+                                    .volume = has_volume ? &inside_ : nullptr,
+                                    .rays = &rays_,
+                                    .grid = &grid_,
+                                    .occluders = in_front},
+                                   picture_.view());
     return {};
+  }
+
+  [[nodiscard]] PixelBox whole_picture() const {
+    return {0, 0, picture_.width(), picture_.height()};
   }
 
   /// All but the volume and the wall.
@@ -188,10 +208,8 @@ class GlOverlayRenderer final : public OverlayRenderer {
 
   Result<void> draw_ghost(const OverlayView& view) {
     const Eigen::AlignedBox3f& bounds = ghost_->bounds();
-    const PixelBox box = internal::seen_box(view.color_camera,
-                                            *view.color_from_ghost,
-                                            bounds,
-                                            {0, 0, picture_.width(), picture_.height()});
+    const PixelBox box =
+        internal::seen_box(view.color_camera, *view.color_from_ghost, bounds, whole_picture());
     if (box.empty()) return {};
     const auto uniforms =
         internal::camera_uniforms(view.color_camera, *view.color_from_ghost, bounds, box);

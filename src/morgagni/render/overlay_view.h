@@ -64,7 +64,9 @@ struct OverlayView {
   float opacity = 0.75F;                                ///< Of all that is in the hole, 0..1.
   Hole hole = {};
   std::map<std::string, float> structure_opacity =
-      {};  ///< By name, 0 (not drawn) to 1; those not named are opaque.
+      {};                     ///< By name, 0 (not drawn) to 1; those not named are opaque.
+  bool has_outlines = false;  ///< Structures' outlines are drawn as lines where something hides
+                              ///< them, and under the skin beside the hole.
   SliceView slice = {};
   VolumeView volume = {};
   std::optional<MeasuredDepth> measured =

@@ -54,6 +54,7 @@ OverlayView overlay_view(const RgbdFrame& frame,
   overlay.color_camera = color_camera;
   overlay.opacity = view.opacity;
   overlay.hole = view.hole;
+  overlay.has_outlines = view.has_outlines;
   overlay.slice = view.slice;
   overlay.volume = view.volume;
   overlay.is_still = is_still;

@@ -21,6 +21,7 @@ struct ViewSettings {
   float opacity = 0.75F;
   Hole hole;
   bool keeps_hands_in_front = true;  ///< What the camera sees before the body hides the overlay.
+  bool has_outlines = false;         ///< Of structures where something hides them.
   std::map<std::string, StructureLook> structures;  ///< By name.
   SliceView slice;
   VolumeView volume;

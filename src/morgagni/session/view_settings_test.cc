@@ -71,6 +71,7 @@ TEST(ViewSettings, SaysWhatItDoesNotUnderstand) {
   EXPECT_THAT(message(R"({"volume": "bone", "volume_window_hu": -1})"), HasSubstr("from 1 to"));
   EXPECT_THAT(message(R"({"structure_opacity": {"bone": 1.5}})"), HasSubstr("from 0 to 1"));
   EXPECT_THAT(message(R"({"hands_in_front": 1})"), HasSubstr("true or false"));
+  EXPECT_THAT(message(R"({"outlines": "all"})"), HasSubstr("outlines must be true or false"));
   EXPECT_THAT(message(R"({"zoom": 2})"), HasSubstr("no member \"zoom\""));
   EXPECT_THAT(message(R"({"structures": {"liver": true}})"), HasSubstr("no structure \"liver\""));
 }

@@ -192,7 +192,7 @@ void compose_hole(const HoleMask& mask,
     const HoleMask::Weights* weights = mask.row(y);
     const Rgba8* drawn = inside.row(y);
     const Eigen::Vector2f* ray = rays.row(y) + box.left;
-    const std::uint8_t* in_front = occluders == nullptr ? nullptr : occluders->row(y);
+    const std::uint8_t* in_front = occluders == nullptr ? nullptr : occluders->row(y, box.left);
     Rgba8* pixels = picture.row(y) + box.left;
     for (int x = 0; x < box.width; ++x) {
       const auto [structure, background, ring] = weights[x];

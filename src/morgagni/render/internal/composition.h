@@ -63,7 +63,7 @@ void merge_layers(std::span<const Layer> layers, Layer& merged);
 
 /// Opens the hole: the body darker in it, and what is inside.
 /// @param inside     Of the mask's box.
-/// @param occluders  Of the mask's box; null: nothing is in front of the body.
+/// @param occluders  Of the mask's box at least; null: nothing is in front of the body.
 void compose_hole(const HoleMask& mask,
                   const Layer& inside,
                   const PictureRays& rays,

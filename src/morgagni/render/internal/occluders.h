@@ -31,9 +31,10 @@ class Occluders {
               const PictureRays& color_rays,
               const PixelBox& box);
 
-  /// Share of what is in front at the pixels of the last `box`, row by row, 0..255.
-  [[nodiscard]] const std::uint8_t* row(int y) const {
-    return shares_.data() + static_cast<std::size_t>(y - box_.top) * box_.width;
+  /// Share of what is in front, 0..255, at the pixels from (left, y) on, in the last `box`.
+  [[nodiscard]] const std::uint8_t* row(int y, int left) const {
+    return shares_.data() + static_cast<std::size_t>(y - box_.top) * box_.width +
+           (left - box_.left);
   }
 
  private:

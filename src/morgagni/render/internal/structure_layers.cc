@@ -20,6 +20,11 @@ constexpr std::size_t kSoftwareTriangles = 40000;
 /// From here on nothing shines through.
 constexpr float kOpaque = 0.995F;
 
+float opacity_of(const GlStructure& structure, const StructureLayers::Request& request) {
+  const auto found = request.opacities.find(structure.name());
+  return found == request.opacities.end() ? 1.0F : found->second;
+}
+
 }  // namespace
 
 PixelBox seen_box(const PinholeCamera& camera,
@@ -85,8 +90,7 @@ Result<void> StructureLayers::draw(const Request& request, std::vector<Layer>& l
   std::vector<const GlStructure*> opaque;
   std::vector<std::pair<const GlStructure*, float>> transparent;
   for (const GlStructure& structure : structures_) {
-    const auto found = request.opacities.find(structure.name());
-    const float opacity = found == request.opacities.end() ? 1.0F : found->second;
+    const float opacity = opacity_of(structure, request);
     if (opacity >= kOpaque) {
       opaque.push_back(&structure);
     } else if (opacity > 0.0F) {
@@ -102,6 +106,17 @@ Result<void> StructureLayers::draw(const Request& request, std::vector<Layer>& l
   if (!opaque.empty()) MOR_CHECK(append(opaque, 1.0F));
   for (const auto& [structure, opacity] : transparent) MOR_CHECK(append({&structure, 1}, opacity));
   return {};
+}
+
+Result<std::vector<OutlinedStructure>> StructureLayers::draw_each(const Request& request) {
+  std::vector<OutlinedStructure> result;
+  for (const GlStructure& structure : structures_) {
+    if (opacity_of(structure, request) <= 0.0F) continue;
+    const GlStructure* const shown = &structure;
+    MOR_TRY(Layer layer, draw_layer(request, {&shown, 1}, 1.0F));
+    if (!layer.box.empty()) result.push_back({std::move(layer), structure.color()});
+  }
+  return result;
 }
 
 Result<Layer> StructureLayers::draw_layer(const Request& request,

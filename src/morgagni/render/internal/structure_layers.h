@@ -13,6 +13,7 @@
 #include "morgagni/render/internal/gl_structure.h"
 #include "morgagni/render/internal/layer.h"
 #include "morgagni/render/internal/layer_pass.h"
+#include "morgagni/render/internal/outlines.h"
 #include "morgagni/render/overlay_renderer.h"
 
 namespace mor::internal {
@@ -39,6 +40,9 @@ class StructureLayers {
 
   /// Appends the layers of this view to `layers`.
   [[nodiscard]] Result<void> draw(const Request& request, std::vector<Layer>& layers);
+
+  /// Each structure that is shown, by itself and opaque.
+  [[nodiscard]] Result<std::vector<OutlinedStructure>> draw_each(const Request& request);
 
  private:
   StructureLayers(LayerPass pass, bool is_software, int num_samples)

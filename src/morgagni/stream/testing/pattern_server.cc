@@ -250,6 +250,7 @@ class PretendedSession {
                 {"hole_x", 0.5},
                 {"hole_y", 0.5},
                 {"hands_in_front", true},
+                {"outlines", false},
                 {"structures", {{"bone", true}, {"vessels", true}}},
                 {"structure_opacity", {{"bone", 1.0}, {"vessels", 1.0}}},
                 {"slice", "none"},
