@@ -90,8 +90,10 @@ Floats interpolated(const Scene& scene, const Point& at) {
   // Two voxels of a row in each read.
   const auto pair = [&](int offset) {
     const Ints both = gather<2>(scene.voxels, corner + offset);
-    const Floats first = real((both << 16) >> 16);
-    const Floats second = real(both >> 16);
+    // Beside the body is air: what stands there for "outside" would bend every gradient at the
+    // skin.
+    const Floats first = most(real((both << 16) >> 16), all(TransferTable::kLeastHu));
+    const Floats second = most(real(both >> 16), all(TransferTable::kLeastHu));
     return first + (second - first) * u;
   };
   const Floats near = pair(0) + (pair(row) - pair(0)) * v;

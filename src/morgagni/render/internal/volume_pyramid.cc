@@ -12,6 +12,7 @@ namespace mor::internal {
 namespace {
 
 constexpr int kLeastSize = 8;     ///< Voxels along an axis that is still halved.
+constexpr int kAirHu = -1024;     ///< What is beside the body is no less.
 constexpr double kAsLong = 1.45;  ///< Times the shortest: an axis that waits for the others.
 
 /// Every second voxel along an axis, 1-2-1 with those beside it. The last one stands at or beyond
@@ -41,7 +42,9 @@ Volume halved(const Volume& fine, std::size_t axis) {
         const auto place = [&](int step) {
           return axis == 0 ? std::clamp(2 * x + step, 0, last) : x;
         };
-        const int sum = before[place(-1)] + 2 * middle[place(0)] + after[place(1)];
+        const auto air_at_least = [](std::int16_t hu) { return std::max<int>(hu, kAirHu); };
+        const int sum = air_at_least(before[place(-1)]) + 2 * air_at_least(middle[place(0)]) +
+                        air_at_least(after[place(1)]);
         row[x] = static_cast<std::int16_t>((sum + 2) >> 2);
       }
     }
