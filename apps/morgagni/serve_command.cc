@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <csignal>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -17,6 +16,7 @@
 #include "commands.h"
 #include "exit.h"
 #include "options.h"
+#include "stop_signals.h"
 
 namespace mor {
 namespace {
@@ -41,24 +41,6 @@ std::filesystem::path default_web_root() {
   return program.parent_path() / ".." / "web";
 }
 
-void wait_for_signal() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
-  int signal = 0;
-  sigwait(&signals, &signal);
-}
-
-/// Before any thread starts, so that none but wait_for_signal() takes them.
-void block_signals() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  sigaddset(&signals, SIGTERM);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-}
-
 void serve(Arguments& arguments) {
   auto& options = arguments.options;
   options.camera_name = arguments.camera;
@@ -67,7 +49,7 @@ void serve(Arguments& arguments) {
   options.loop.in_step = arguments.camera.find("speed=full") != std::string::npos;
   options.loop.tracking.lost_after = std::chrono::milliseconds(arguments.lost_after_ms);
   if (options.server.web_root.empty()) options.server.web_root = default_web_root();
-  block_signals();
+  const StopSignals signals;
   auto body = value_or_exit(load_case(arguments.folder));
   const auto skin = std::shared_ptr<const TriangleMesh>(body.skin, &body.skin->mesh);
   auto camera = value_or_exit(open_camera(arguments.camera, skin));
@@ -77,7 +59,7 @@ void serve(Arguments& arguments) {
   fmt::print(
       "Case {} is live at http://127.0.0.1:{}/  (stop with Ctrl-C)\n", name, session->port());
   std::fflush(stdout);
-  wait_for_signal();
+  signals.wait();
   log::info("stopping");
 }
 
@@ -94,8 +76,9 @@ void add_serve_command(CLI::App& app) {
       ->add_option(
           "--camera",
           arguments->camera,
-          "simulated:[key=value,...] or tum:DIR[,loop=1][,speed=full]; at full speed every "
-          "frame is tracked, with the same poses each time")
+          "simulated:[key=value,...], mcap:FILE[,loop=1][,speed=full] or "
+          "tum:DIR[,loop=1][,speed=full]; at full speed every frame is tracked, with the same "
+          "poses each time")
       ->capture_default_str();
   command->add_option("--port", server.port, "On 127.0.0.1; 0 takes a free one")
       ->capture_default_str();

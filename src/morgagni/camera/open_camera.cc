@@ -3,35 +3,50 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/camera/internal/key_values.h"
+#include "morgagni/camera/mcap_recording.h"
 #include "morgagni/camera/range_camera.h"
 #include "morgagni/camera/simulated_camera.h"
-#include "morgagni/camera/tum_player.h"
+#include "morgagni/camera/tum_recording.h"
 
 namespace mor {
 namespace {
 
-Result<std::unique_ptr<RangeCamera>> open_tum(std::string_view rest) {
+/// What stands behind the name of a recording: `PATH[,loop=1][,speed=real|full]`.
+struct RecordingName {
+  std::filesystem::path path;
+  RecordingPlayerOptions options;
+};
+
+Result<RecordingName> parse_recording_name(std::string_view kind, std::string_view rest) {
   const auto comma = rest.find(',');
-  const auto folder = rest.substr(0, comma);
+  const auto path = rest.substr(0, comma);
   const auto text = comma == std::string_view::npos ? std::string_view() : rest.substr(comma + 1);
-  if (folder.empty()) {
-    return make_error(ErrorCode::kInvalidArgument, "camera 'tum:' needs a folder: tum:DIR");
+  if (path.empty()) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      kind == "tum" ? "camera 'tum:' needs a folder: tum:DIR"
+                                    : "camera 'mcap:' needs a file: mcap:FILE");
   }
-  TumPlayerOptions options;
+  RecordingName name{path, {}};
   MOR_TRY(const auto pairs, internal::split_key_values(text));
   for (const auto& pair : pairs) {
     if (pair.key == "loop") {
       MOR_TRY(const auto choice, internal::parse_choice(pair, {"0", "1"}));
-      options.is_looped = choice == 1;
+      name.options.is_looped = choice == 1;
     } else if (pair.key == "speed") {
       MOR_TRY(const auto choice, internal::parse_choice(pair, {"real", "full"}));
-      options.is_real_time = choice == 0;
+      name.options.is_real_time = choice == 0;
     } else {
-      return internal::unknown_key("tum", pair, {"loop", "speed"});
+      return internal::unknown_key(kind, pair, {"loop", "speed"});
     }
   }
-  MOR_TRY(auto recording, TumRecording::open(std::filesystem::path(folder)));
-  return play_recording(std::move(recording), options);
+  return name;
+}
+
+template <class T>
+Result<std::unique_ptr<RangeCamera>> open_recording(std::string_view kind, std::string_view rest) {
+  MOR_TRY(const auto name, parse_recording_name(kind, rest));
+  MOR_TRY(auto recording, T::open(name.path));
+  return play_recording(std::make_unique<const T>(std::move(recording)), name.options);
 }
 
 }  // namespace
@@ -42,7 +57,10 @@ Result<std::unique_ptr<RangeCamera>> open_camera(const std::string& name,
   const std::string_view kind = std::string_view(name).substr(0, colon);
   const std::string_view rest =
       colon == std::string::npos ? std::string_view() : std::string_view(name).substr(colon + 1);
-  if (colon != std::string::npos && kind == "tum") return open_tum(rest);
+  if (colon != std::string::npos && kind == "tum") return open_recording<TumRecording>(kind, rest);
+  if (colon != std::string::npos && kind == "mcap") {
+    return open_recording<McapRecording>(kind, rest);
+  }
   if (colon != std::string::npos && kind == "simulated") {
     MOR_TRY(const auto options, SimulatedCameraOptions::parse(rest));
     MOR_TRY(auto camera, SimulatedCamera::create(std::move(skin), options));
@@ -50,7 +68,9 @@ Result<std::unique_ptr<RangeCamera>> open_camera(const std::string& name,
   }
   return make_error(
       ErrorCode::kInvalidArgument,
-      fmt::format("camera '{}' is unknown, there are simulated:[key=value,...] and tum:DIR", name));
+      fmt::format(
+          "camera '{}' is unknown, there are simulated:[key=value,...], mcap:FILE and tum:DIR",
+          name));
 }
 
 }  // namespace mor

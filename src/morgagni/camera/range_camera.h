@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -23,6 +24,11 @@ struct RgbdCalibration {
   PinholeCamera depth;
   PinholeCamera color;
   Eigen::Isometry3d color_from_depth = Eigen::Isometry3d::Identity();
+
+  bool operator==(const RgbdCalibration& other) const {
+    return depth == other.depth && color == other.color &&
+           color_from_depth.matrix() == other.color_from_depth.matrix();
+  }
 };
 
 /// One moment of a range camera. Depth and colour stay as the sensor gave them.
@@ -32,6 +38,8 @@ struct RgbdFrame {
   Image<std::uint16_t> depth_mm;  ///< 0 = no reading.
   Image<Rgb8> color;
   std::shared_ptr<const RgbdCalibration> calibration;
+  /// By the device's own clock, whose origin is its own. None: it has none.
+  std::optional<std::chrono::nanoseconds> device_time = std::nullopt;
 };
 
 /// A source of frames. Recordings and the simulation are ordinary cameras.
@@ -49,7 +57,8 @@ class RangeCamera {
 
 /// Opens a camera by its name:
 ///   `simulated:[key=value,...]`  see SimulatedCameraOptions;
-///   `tum:DIR[,loop=1][,speed=real|full]`  a recording in the TUM RGB-D layout.
+///   `tum:DIR[,loop=1][,speed=real|full]`  a recording in the TUM RGB-D layout;
+///   `mcap:FILE[,loop=1][,speed=real|full]`  a recording that Morgagni made (McapRecorder).
 /// @param skin  The case's skin, which only the simulated camera looks at.
 /// @errors kInvalidArgument (unknown kind, key or value: names it and what is allowed), kNotFound,
 /// kIo.

@@ -223,6 +223,11 @@ Result<TumRecording> TumRecording::open(const fs::path& folder) {
   return recording;
 }
 
+std::chrono::nanoseconds TumRecording::since_start(std::size_t i) const {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::duration<double>(timestamp_s(i) - timestamp_s(0)));
+}
+
 Result<std::shared_ptr<const RgbdFrame>> TumRecording::read(std::size_t i) const {
   if (i >= size()) {
     return make_error(ErrorCode::kInvalidArgument,

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
-#include "morgagni/camera/tum_player.h"
+#include "morgagni/camera/recording.h"
 #include "morgagni/camera/tum_recorder.h"
 #include "morgagni/core/files.h"
 
@@ -67,6 +67,10 @@ class Tum : public testing::Test {
   std::string open_error() const {
     const auto recording = TumRecording::open(folder_);
     return recording ? "opened" : recording.error().message;
+  }
+
+  std::unique_ptr<const Recording> open_recording() const {
+    return std::make_unique<const TumRecording>(TumRecording::open(folder_).value());
   }
 
   fs::path home_;
@@ -260,8 +264,8 @@ TEST_F(Tum, ScalesDepthByTheFilesUnit) {
 TEST_F(Tum, PlaysAtFullSpeedToItsEndOrRoundAndRound) {
   record(3);
   for (const bool is_looped : {false, true}) {
-    const auto camera = play_recording(TumRecording::open(folder_).value(),
-                                       {.is_looped = is_looped, .is_real_time = false});
+    const auto camera =
+        play_recording(open_recording(), {.is_looped = is_looped, .is_real_time = false});
     for (std::uint64_t i = 0; i < (is_looped ? 7U : 3U); ++i) {
       EXPECT_EQ(camera->next_frame({}).value()->frame_id, i % 3);
     }
@@ -271,9 +275,20 @@ TEST_F(Tum, PlaysAtFullSpeedToItsEndOrRoundAndRound) {
   }
 }
 
+TEST_F(Tum, AtFullSpeedTheTimesBetweenFramesAreTheRecordings) {
+  record(3);
+  const auto camera = play_recording(open_recording(), {.is_looped = true, .is_real_time = false});
+  const auto first = camera->next_frame({}).value()->captured_at;
+  for (int i = 1; i < 7; ++i) {
+    if (i == 2) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    const std::chrono::duration<double> since = camera->next_frame({}).value()->captured_at - first;
+    EXPECT_NEAR(since.count(), i / 30.0, 1e-6) << i;
+  }
+}
+
 TEST_F(Tum, PlaysByItsStampsAndSkipsWhatASlowCallerMissed) {
   record(30);
-  const auto camera = play_recording(TumRecording::open(folder_).value(), {});
+  const auto camera = play_recording(open_recording(), {});
   const auto first = camera->next_frame({}).value();
   const auto second = camera->next_frame({}).value();
   EXPECT_EQ(first->frame_id, 0U);
@@ -288,7 +303,7 @@ TEST_F(Tum, StopsWaitingWhenAsked) {
   ASSERT_TRUE(recorder.add(frame(0), 0.0, std::nullopt));
   ASSERT_TRUE(recorder.add(frame(1), 3600.0, std::nullopt));
   ASSERT_TRUE(recorder.finish());
-  const auto camera = play_recording(TumRecording::open(folder_).value(), {});
+  const auto camera = play_recording(open_recording(), {});
   ASSERT_TRUE(camera->next_frame({}).value());
   std::stop_source stop;
   const std::jthread stopper([&] { stop.request_stop(); });
@@ -298,7 +313,7 @@ TEST_F(Tum, StopsWaitingWhenAsked) {
 TEST_F(Tum, GoesOnAfterAFrameThatCannotBeRead) {
   record(3);
   fs::remove(folder_ / "rgb/000001.png");
-  const auto camera = play_recording(TumRecording::open(folder_).value(), {.is_real_time = false});
+  const auto camera = play_recording(open_recording(), {.is_real_time = false});
   EXPECT_TRUE(camera->next_frame({}));
   EXPECT_FALSE(camera->next_frame({}));
   EXPECT_EQ(camera->next_frame({}).value()->frame_id, 2U);

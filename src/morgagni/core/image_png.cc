@@ -46,8 +46,7 @@ enum class Layout : std::uint8_t { kRgb8, kGray16 };
 
 /// Decodes into rows of `image`. libpng reports errors by longjmp, so nothing here owns memory.
 template <class T>
-Result<Image<T>> read_png(const std::filesystem::path& path, Layout layout) {
-  MOR_TRY(const auto bytes, read_file(path, kMaxPngBytes));
+Result<Image<T>> decode_png(std::span<const std::byte> bytes, Layout layout) {
   Reader reader{bytes, {}};
   Image<T> image;
   std::vector<png_bytep> rows;
@@ -56,8 +55,7 @@ Result<Image<T>> read_png(const std::filesystem::path& path, Layout layout) {
   png_infop info = png_create_info_struct(png);
   if (setjmp(png_jmpbuf(png)) != 0) {
     png_destroy_read_struct(&png, &info, nullptr);
-    return make_error(ErrorCode::kIo,
-                      fmt::format("{}: not a readable PNG: {}", path.string(), reader.error));
+    return make_error(ErrorCode::kIo, "not a readable PNG: " + reader.error);
   }
   png_set_user_limits(png, kMaxPngSidePx, kMaxPngSidePx);
   png_set_read_fn(png, &reader, read_bytes);
@@ -85,6 +83,17 @@ Result<Image<T>> read_png(const std::filesystem::path& path, Layout layout) {
   png_read_image(png, rows.data());
   png_read_end(png, nullptr);
   png_destroy_read_struct(&png, &info, nullptr);
+  return image;
+}
+
+template <class T>
+Result<Image<T>> read_png(const std::filesystem::path& path, Layout layout) {
+  MOR_TRY(const auto bytes, read_file(path, kMaxPngBytes));
+  auto image = decode_png<T>(bytes, layout);
+  if (!image) {
+    return make_error(image.error().code,
+                      fmt::format("{}: {}", path.string(), image.error().message));
+  }
   return image;
 }
 
@@ -127,6 +136,10 @@ Result<Image<Rgb8>> read_png_rgb(const std::filesystem::path& path) {
 
 Result<Image<std::uint16_t>> read_png_gray16(const std::filesystem::path& path) {
   return read_png<std::uint16_t>(path, Layout::kGray16);
+}
+
+Result<Image<Rgb8>> decode_png_rgb(std::span<const std::byte> bytes) {
+  return decode_png<Rgb8>(bytes, Layout::kRgb8);
 }
 
 std::vector<std::byte> encode_png(ImageView<const Rgb8> image) {

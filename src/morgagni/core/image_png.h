@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <span>
 #include <vector>
 
 #include "morgagni/core/image.h"
@@ -19,6 +22,9 @@ inline constexpr int kMaxPngSidePx = 16384;
 
 /// Reads a 16-bit grey PNG, as depth images are stored. Anything else is refused.
 [[nodiscard]] Result<Image<std::uint16_t>> read_png_gray16(const std::filesystem::path& path);
+
+/// The same from memory. @errors As above; the sentence names no file.
+[[nodiscard]] Result<Image<Rgb8>> decode_png_rgb(std::span<const std::byte> bytes);
 
 /// PNG bytes, quick compression.
 [[nodiscard]] std::vector<std::byte> encode_png(ImageView<const Rgb8> image);

@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/camera/calibration_json.h"
+
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
+
+namespace mor {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kMaxRotationError = 1e-6;
+
+tl::unexpected<Error> bad(std::string message) {
+  return make_error(ErrorCode::kInvalidArgument, "calibration: " + std::move(message));
+}
+
+Json pinhole_json(const PinholeCamera& camera) {
+  return {{"width", camera.width_px},
+          {"height", camera.height_px},
+          {"fx", camera.focal_x_px},
+          {"fy", camera.focal_y_px},
+          {"cx", camera.center_x_px},
+          {"cy", camera.center_y_px},
+          {"distortion", camera.distortion}};
+}
+
+Result<double> finite(const Json& value, const std::string& name) {
+  if (!value.is_number() || !std::isfinite(value.get<double>())) {
+    return bad(name + " is no finite number");
+  }
+  return value.get<double>();
+}
+
+Result<double> member(const Json& json, const std::string& camera, const char* key) {
+  const auto value = json.find(key);
+  if (value == json.end()) return bad(fmt::format("{} has no {}", camera, key));
+  return finite(*value, camera + "." + key);
+}
+
+Result<int> size_px(const Json& json, const std::string& camera, const char* key) {
+  MOR_TRY(const double value, member(json, camera, key));
+  if (!(value >= 1.0 && value <= 16384.0 && value == std::floor(value))) {
+    return bad(fmt::format("{}.{} must be a whole number in [1, 16384]", camera, key));
+  }
+  return static_cast<int>(value);
+}
+
+Result<PinholeCamera> parse_pinhole(const Json& root, const std::string& name) {
+  const auto json = root.find(name);
+  if (json == root.end() || !json->is_object()) return bad("has no " + name);
+  PinholeCamera camera;
+  MOR_TRY(camera.width_px, size_px(*json, name, "width"));
+  MOR_TRY(camera.height_px, size_px(*json, name, "height"));
+  MOR_TRY(camera.focal_x_px, member(*json, name, "fx"));
+  MOR_TRY(camera.focal_y_px, member(*json, name, "fy"));
+  MOR_TRY(camera.center_x_px, member(*json, name, "cx"));
+  MOR_TRY(camera.center_y_px, member(*json, name, "cy"));
+  const auto distortion = json->find("distortion");
+  if (distortion == json->end() || !distortion->is_array() ||
+      distortion->size() != camera.distortion.size()) {
+    return bad(name + ".distortion must hold five numbers: k1, k2, p1, p2, k3");
+  }
+  for (std::size_t i = 0; i < camera.distortion.size(); ++i) {
+    MOR_TRY(camera.distortion[i], finite((*distortion)[i], name + ".distortion"));
+  }
+  if (const auto checked = camera.check(); !checked) {
+    return bad(fmt::format("{}: {}", name, checked.error().message));
+  }
+  return camera;
+}
+
+Result<Eigen::Isometry3d> parse_rigid(const Json& root, const std::string& name) {
+  const auto rows = root.find(name);
+  if (rows == root.end() || !rows->is_array() || rows->size() != 3) {
+    return bad(name + " must hold three rows of four numbers");
+  }
+  Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
+  for (int y = 0; y < 3; ++y) {
+    const auto& row = (*rows)[static_cast<std::size_t>(y)];
+    if (!row.is_array() || row.size() != 4) {
+      return bad(name + " must hold three rows of four numbers");
+    }
+    for (int x = 0; x < 4; ++x) {
+      MOR_TRY(result.matrix()(y, x), finite(row[static_cast<std::size_t>(x)], name));
+    }
+  }
+  const Eigen::Matrix3d turned_back = result.linear() * result.linear().transpose();
+  if (!((turned_back - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < kMaxRotationError) ||
+      result.linear().determinant() < 0.0) {
+    return bad(name + " is no rotation and shift");
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string calibration_to_json(const RgbdCalibration& calibration) {
+  Json rows = Json::array();
+  for (int y = 0; y < 3; ++y) {
+    const Eigen::Vector4d row = calibration.color_from_depth.matrix().row(y);
+    rows.push_back({row[0], row[1], row[2], row[3]});
+  }
+  return Json{{"depth", pinhole_json(calibration.depth)},
+              {"color", pinhole_json(calibration.color)},
+              {"color_from_depth", rows}}
+             .dump(1) +
+         "\n";
+}
+
+Result<RgbdCalibration> calibration_from_json(std::string_view text) {
+  const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (!json.is_object()) return bad("is no JSON object");
+  RgbdCalibration calibration;
+  MOR_TRY(calibration.depth, parse_pinhole(json, "depth"));
+  MOR_TRY(calibration.color, parse_pinhole(json, "color"));
+  MOR_TRY(calibration.color_from_depth, parse_rigid(json, "color_from_depth"));
+  return calibration;
+}
+
+}  // namespace mor
