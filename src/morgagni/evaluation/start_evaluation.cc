@@ -15,6 +15,7 @@
 #include "morgagni/evaluation/recording_evaluation.h"
 #include "morgagni/geometry/rigid.h"
 #include "morgagni/registration/fine_registration.h"
+#include "morgagni/registration/visible_place.h"
 
 namespace mor {
 namespace {
@@ -88,8 +89,9 @@ Result<double> StartEvaluation::fine_tre_mm(const StartView& view,
                                             const Eigen::Isometry3d& ct_from_depth) const {
   const PinholeCamera& camera = view.frame->calibration->depth;
   MOR_TRY(auto extractor, BodySurfaceExtractor::create(camera, options_.depth));
-  const auto seed_px = camera.project(ct_from_depth.inverse() * skin_center_);
-  MOR_TRY(const BodySurface surface, extractor.extract(view.frame->depth_mm.view(), seed_px));
+  // As the live path does: grown from where the pose shows the body.
+  const auto expected = places_facing_camera(fixed_->mesh, ct_from_depth);
+  MOR_TRY(const BodySurface surface, extractor.extract(view.frame->depth_mm.view(), expected));
   if (surface.cloud.empty()) {
     return target_registration_error_mm(ct_from_depth, view.ct_from_depth, targets_);
   }

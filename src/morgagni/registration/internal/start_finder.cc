@@ -14,45 +14,26 @@
 
 #include "morgagni/geometry/rigid.h"
 #include "morgagni/registration/internal/sensor_points.h"
+#include "morgagni/registration/internal/start_decision.h"
+#include "morgagni/registration/internal/start_mirror.h"
 #include "morgagni/registration/internal/start_refinement.h"
 
 namespace mor::internal {
 namespace {
 
-constexpr std::size_t kMaxSearched = 100;  ///< Candidates of one search that are glanced at.
-constexpr std::size_t kMaxRefined = 20;    ///< Of those, refined.
-constexpr std::size_t kMaxVerified = 6;    ///< Of those, looked at pixel by pixel.
+constexpr SearchEffort kFirstEffort{.max_searched = 100, .max_refined = 20, .max_verified = 6};
+/// Where the first finds nothing to be believed, as where clutter hides most of the body.
+constexpr SearchEffort kSecondEffort{.max_searched = 400, .max_refined = 60, .max_verified = 16};
 constexpr StartVolumeOptions kCoarseVolume{.nodes_along_body = 48.0F, .reach_nodes = 2.5F};
 constexpr StartVolumeOptions kFineVolume{.nodes_along_body = 96.0F, .reach_nodes = 2.5F};
 constexpr double kSameShare = 0.08;  ///< Of the extent: poses that put the body this near are one.
 constexpr double kFloatingCost = 2.0;
-constexpr double kHiddenCost = 0.02;
-constexpr double kOpenShare = 0.6;
 constexpr float kLookToleranceMm = 1.0F;
 constexpr double kNearbyShift = 0.04;  ///< Of the extent.
 constexpr double kNearbyTurnRad = 0.1;
-constexpr double kLeastAgree = 100.0;     ///< Pixels.
-constexpr double kLeastShare = 0.12;      ///< Of the skin in view, measured where it should be.
-constexpr double kLeastOpenShare = 0.88;  ///< Of that not hidden.
-constexpr double kMostFloating = 0.03;
-constexpr double kMostFloatingAlone = 0.05;  ///< Where no other pose comes near.
-constexpr double kAlone = 0.3;  ///< No other pose has more than this share of the evidence.
-/// The runner-up's share of the best one's evidence, and how much less it may be where all of the
-/// skin is hidden: what is hidden may be anything.
-constexpr double kClearlyWorse = 0.8;
-constexpr double kClearlyWorsePerHidden = 0.5;
-/// A finding so good that other planes need no look.
-constexpr double kSettledShare = 0.7;
-constexpr double kSettledRunnerUp = 0.6;
+/// A finding that passes by so much is right: other planes need no look.
+constexpr double kSettledMargin = 0.3;
 constexpr std::size_t kLeastPoints = 60;
-
-/// What speaks for a pose less what speaks against it, in parts of the skin. At the right pose the
-/// skin that nothing hides agrees to the noise, on average by kOpenShare and more; another surface
-/// like a towel may run near more of the skin, but not as close.
-double evidence(const SkinAgreement& agreement) {
-  return agreement.num_agree - kOpenShare * (agreement.num_seen - agreement.num_hidden) -
-         kFloatingCost * agreement.num_floating - kHiddenCost * agreement.num_hidden;
-}
 
 /// How far two poses put the body apart: the largest distance of the corners of its bounds.
 double distance_mm(const Eigen::Isometry3d& a,
@@ -96,11 +77,13 @@ double runner_up_share(const std::vector<StartFinding>& findings) {
   return std::max(0.0, findings[1].score / findings[0].score);
 }
 
-bool settles(const std::vector<StartFinding>& findings) {
+bool passes(const std::vector<StartFinding>& findings, double least_margin = 0.0) {
   return !findings.empty() &&
-         findings[0].agreement.num_agree > kSettledShare * findings[0].agreement.num_seen &&
-         findings[0].agreement.num_agree > 3.0 * kLeastAgree &&
-         runner_up_share(findings) < kSettledRunnerUp;
+         margin(findings[0].agreement, runner_up_share(findings)) >= least_margin;
+}
+
+bool settles(const std::vector<StartFinding>& findings) {
+  return passes(findings, kSettledMargin);
 }
 
 }  // namespace
@@ -113,6 +96,7 @@ StartFinder::StartFinder(std::shared_ptr<const FixedSurface> fixed,
       fixed_(fixed),
       extent_mm_(fixed->mesh.bounds().sizes().maxCoeff()),
       verifier_(fixed, extent_mm_),
+      fine_(fixed, {}),
       bounds_(fixed->mesh.bounds().cast<double>()) {
   for (const BodySide side : options.lying_on) {
     const bool is_on_side = side == BodySide::kLeft || side == BodySide::kRight;
@@ -131,8 +115,9 @@ std::vector<StartPlane> StartFinder::planes_of(const StartPicture& picture) cons
 /// Places and turns on the plane, polished, best first.
 std::vector<StartFinding> StartFinder::search(const StartPicture& picture,
                                               const StartScene& scene,
-                                              const Lying& lying) const {
-  const auto candidates = search_on_plane(scene, lying.coarse, kMaxSearched);
+                                              const Lying& lying,
+                                              const SearchEffort& effort) const {
+  const auto candidates = search_on_plane(scene, lying.coarse, effort.max_searched);
   const Eigen::Isometry3d ct_from_lying = lying.coarse.lying_from_ct.inverse();
   std::vector<StartFinding> findings(candidates.size());
   tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
@@ -146,7 +131,7 @@ std::vector<StartFinding> StartFinder::search(const StartPicture& picture,
     findings[i].score = polished.score + findings[i].agreement.num_agree -
                         kFloatingCost * findings[i].agreement.num_floating;
   });
-  keep_best(findings, kMaxRefined, lying.fine.spacing_mm, bounds_);
+  keep_best(findings, effort.max_refined, lying.fine.spacing_mm, bounds_);
   return findings;
 }
 
@@ -171,8 +156,17 @@ void StartFinder::refine(const StartPicture& picture,
                            pose,
                            {up_ct, 3.0, 0.02},
                            {2.0F * noise_mm + 1.0F, 3.0F * noise_mm + 2.0F, true, 8});
-    findings[i].agreement = verifier_.glance(picture, pose, kLookToleranceMm + 2.0F * noise_mm);
+    const float tolerance_mm = kLookToleranceMm + 2.0F * noise_mm;
+    findings[i].agreement = verifier_.glance(picture, pose, tolerance_mm);
     findings[i].score = evidence(findings[i].agreement);
+    // The hold keeps a pose that little skin fixes; free of it, one that much skin fixes is better.
+    const auto fine = fine_.align(scene.full, pose, StartQuality::kTracked);
+    if (!fine) return;
+    const auto agreement = verifier_.glance(picture, fine->fixed_from_moving, tolerance_mm);
+    if (evidence(agreement) < findings[i].score) return;
+    pose = fine->fixed_from_moving;
+    findings[i].agreement = agreement;
+    findings[i].score = evidence(agreement);
   });
 }
 
@@ -185,7 +179,7 @@ void StartFinder::verify(const StartPicture& picture,
     if (stop.stop_requested()) return;
     findings[i].agreement =
         verifier_.look(picture, planes, findings[i].ct_from_depth, kLookToleranceMm);
-    findings[i].score = evidence(findings[i].agreement);
+    findings[i].score = believed_evidence(findings[i].agreement);
   });
   keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
 }
@@ -194,10 +188,9 @@ void StartFinder::verify(const StartPicture& picture,
 /// dip near the right one.
 void StartFinder::search_nearby(const StartPicture& picture,
                                 const std::vector<StartPlane>& planes,
-                                const StartScene& scene,
                                 StartFinding& best,
                                 const std::stop_token& stop) const {
-  const Eigen::Vector3d up = best.ct_from_depth.linear() * scene.plane.normal.cast<double>();
+  const Eigen::Vector3d up = best.on_plane.linear() * best.scene->plane.normal.cast<double>();
   const Eigen::Vector3d along = up.unitOrthogonal();
   const Eigen::Vector3d across = up.cross(along);
   const double shift_mm = kNearbyShift * extent_mm_;
@@ -218,95 +211,115 @@ void StartFinder::search_nearby(const StartPicture& picture,
       nearby.push_back(moved);
     }
   }
-  refine(picture, scene, nearby, stop);
-  keep_best(nearby, kMaxVerified, 0.0, bounds_);
+  refine(picture, *best.scene, nearby, stop);
+  keep_best(nearby, kFirstEffort.max_verified, 0.0, bounds_);
   for (auto& finding : nearby) {
     if (stop.stop_requested()) return;
     finding.agreement = verifier_.look(picture, planes, finding.ct_from_depth, kLookToleranceMm);
-    finding.score = evidence(finding.agreement);
+    finding.score = believed_evidence(finding.agreement);
     if (finding.score > best.score) best = finding;
   }
 }
 
-Result<std::vector<StartFinding>> StartFinder::find_on(const StartPicture& picture,
-                                                       const std::vector<StartPlane>& planes,
-                                                       const StartPlane& plane,
-                                                       const std::stop_token& stop) const {
+/// The evidence for the CT's mirror image near the finding.
+double StartFinder::mirrored_evidence(const StartPicture& picture,
+                                      const std::vector<StartPlane>& planes,
+                                      const StartFinding& finding) const {
+  const StartPicture other_picture = mirrored(picture);
+  const auto other_planes = mirrored(planes);
+  const PointCloud other_points = mirrored(finding.scene->full);
+  const Eigen::Isometry3d start = mirrored(finding.ct_from_depth, bounds_.center());
+  double best = 0.0;
+  for (const auto quality : {StartQuality::kRough, StartQuality::kTracked}) {
+    const auto fine = fine_.align(other_points, start, quality);
+    if (!fine) continue;
+    best = std::max(best,
+                    evidence(verifier_.look(
+                        other_picture, other_planes, fine->fixed_from_moving, kLookToleranceMm)));
+  }
+  return best;
+}
+
+Result<std::vector<StartFinding>> StartFinder::find_on(
+    const StartPicture& picture,
+    const std::vector<StartPlane>& planes,
+    const std::shared_ptr<const StartScene>& scene,
+    const SearchEffort& effort,
+    const std::stop_token& stop) const {
   const auto cancelled = [] {
     return make_error(ErrorCode::kCancelled, "the automatic start was cancelled");
   };
   std::vector<StartFinding> findings;
   if (stop.stop_requested()) return cancelled();
-  const StartScene scene = make_scene(picture, plane, height_mm_, extent_mm_);
-  if (scene.full.size() < kLeastPoints) return findings;
+  if (scene->full.size() < kLeastPoints) return findings;
   for (const auto& lying : lyings_) {
-    auto found = search(picture, scene, lying);
+    auto found = search(picture, *scene, lying, effort);
     if (stop.stop_requested()) return cancelled();
-    refine(picture, scene, found, stop);
-    keep_best(found, kMaxVerified, kSameShare * extent_mm_, bounds_);
+    refine(picture, *scene, found, stop);
+    keep_best(found, effort.max_verified, kSameShare * extent_mm_, bounds_);
     findings.insert(findings.end(), found.begin(), found.end());
     if (stop.stop_requested()) return cancelled();
   }
+  for (auto& finding : findings) finding.scene = scene;
   verify(picture, planes, findings, stop);
-  if (!findings.empty() && findings[0].score > 0.0) {
-    search_nearby(picture, planes, scene, findings[0], stop);
+  if (!findings.empty() && !settles(findings)) {
+    search_nearby(picture, planes, findings[0], stop);
     keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
   }
   if (stop.stop_requested()) return cancelled();
   return findings;
 }
 
-AutomaticStartResult StartFinder::decide(const std::vector<StartFinding>& findings) const {
+AutomaticStartResult StartFinder::decide(const StartPicture& picture,
+                                         const std::vector<StartPlane>& planes,
+                                         const std::vector<StartFinding>& findings) const {
   AutomaticStartResult result;
   if (findings.empty()) {
     result.reason = "nothing that could be a body stands on a plane of the picture";
     return result;
   }
-  const SkinAgreement& best = findings[0].agreement;
-  const double num_open = best.num_seen - best.num_hidden;
-  result.ct_from_depth = findings[0].ct_from_depth;
-  result.score = num_open > 0.0 ? best.num_agree / num_open : 0.0;
+  const StartFinding& best = findings[0];
+  const double num_open = best.agreement.num_seen - best.agreement.num_hidden;
+  result.ct_from_depth = best.ct_from_depth;
+  result.score = num_open > 0.0 ? best.agreement.num_agree / num_open : 0.0;
   result.runner_up_score = result.score * runner_up_share(findings);
-  const bool is_alone = runner_up_share(findings) < kAlone;
-  if (best.num_agree < kLeastAgree || best.num_agree < kLeastShare * best.num_seen ||
-      best.num_agree < kLeastOpenShare * num_open ||
-      best.num_floating > (is_alone ? kMostFloatingAlone : kMostFloating) * best.num_agree) {
-    result.reason = fmt::format(
-        "no pose explains the picture: at the best {:.0f} % of the skin is seen where it should "
-        "be, "
-        "{:.0f} % is hidden, and through {:.0f} % the camera looks",
-        100.0 * best.num_agree / std::max(1.0, best.num_seen),
-        100.0 * best.num_hidden / std::max(1.0, best.num_seen),
-        100.0 * best.num_floating / std::max(1.0, best.num_seen));
-  } else if (runner_up_share(findings) >
-             kClearlyWorse - kClearlyWorsePerHidden * best.num_hidden / best.num_seen) {
-    result.status = AutomaticStartStatus::kAmbiguous;
-    result.reason =
-        fmt::format("another pose explains the picture {:.0f} % as well: show more of the body",
-                    100.0 * runner_up_share(findings));
-  } else {
-    result.status = AutomaticStartStatus::kFound;
+  StartCase start{best.agreement, runner_up_share(findings)};
+  if (margin(start.look, start.runner_up_share) >= 0.0) {
+    start.mirrored_share = mirrored_evidence(picture, planes, best) / evidence(best.agreement);
   }
+  StartVerdict verdict = decide_start(start);
+  result.status = verdict.status;
+  result.reason = std::move(verdict.reason);
   return result;
 }
 
 Result<std::vector<StartFinding>> StartFinder::find_all(const StartPicture& picture,
+                                                        const std::vector<StartPlane>& planes,
                                                         const std::stop_token& stop) const {
+  std::vector<std::shared_ptr<const StartScene>> scenes(planes.size());
   std::vector<StartFinding> findings;
-  const auto planes = planes_of(picture);
-  for (const auto& plane : planes) {
-    MOR_TRY(const auto found, find_on(picture, planes, plane, stop));
-    findings.insert(findings.end(), found.begin(), found.end());
-    keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
-    if (settles(findings)) break;
+  for (const auto& effort : {kFirstEffort, kSecondEffort}) {
+    for (std::size_t i = 0; i < planes.size(); ++i) {
+      if (!scenes[i]) {
+        scenes[i] = std::make_shared<const StartScene>(
+            make_scene(picture, planes[i], height_mm_, extent_mm_));
+      }
+      MOR_TRY(const auto found, find_on(picture, planes, scenes[i], effort, stop));
+      findings.insert(findings.end(), found.begin(), found.end());
+      keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
+      if (settles(findings)) return findings;
+    }
+    if (passes(findings)) break;
   }
   return findings;
 }
 
 Result<AutomaticStartResult> StartFinder::find(ImageView<const std::uint16_t> depth_mm,
                                                const std::stop_token& stop) const {
-  MOR_TRY(const auto findings, find_all(picture_of(depth_mm), stop));
-  return decide(findings);
+  const StartPicture picture = picture_of(depth_mm);
+  const auto planes = planes_of(picture);
+  MOR_TRY(const auto findings, find_all(picture, planes, stop));
+  return decide(picture, planes, findings);
 }
 
 }  // namespace mor::internal

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "morgagni/registration/automatic_start.h"
+#include "morgagni/registration/internal/field_registration.h"
 #include "morgagni/registration/internal/start_picture.h"
 #include "morgagni/registration/internal/start_scene.h"
 #include "morgagni/registration/internal/start_search.h"
@@ -20,8 +21,16 @@ namespace mor::internal {
 struct StartFinding {
   Eigen::Isometry3d ct_from_depth = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d on_plane = Eigen::Isometry3d::Identity();  ///< Before refinement left it.
+  std::shared_ptr<const StartScene> scene;  ///< What stands on the plane it was found on.
   SkinAgreement agreement;
   double score = 0.0;  ///< Larger is better; comparable among findings of one step.
+};
+
+/// How many hypotheses of a plane are followed.
+struct SearchEffort {
+  std::size_t max_searched = 0;  ///< Glanced at.
+  std::size_t max_refined = 0;   ///< Of those, refined.
+  std::size_t max_verified = 0;  ///< Of those, looked at pixel by pixel.
 };
 
 /// The automatic start's steps, one after the other, on the caller's TBB arena.
@@ -36,8 +45,14 @@ class StartFinder {
 
   /// The best poses on all planes of the picture, each verified, best first.
   [[nodiscard]] Result<std::vector<StartFinding>> find_all(const StartPicture& picture,
+                                                           const std::vector<StartPlane>& planes,
                                                            const std::stop_token& stop) const;
-  [[nodiscard]] AutomaticStartResult decide(const std::vector<StartFinding>& findings) const;
+  [[nodiscard]] AutomaticStartResult decide(const StartPicture& picture,
+                                            const std::vector<StartPlane>& planes,
+                                            const std::vector<StartFinding>& findings) const;
+  [[nodiscard]] double mirrored_evidence(const StartPicture& picture,
+                                         const std::vector<StartPlane>& planes,
+                                         const StartFinding& finding) const;
   [[nodiscard]] StartPicture picture_of(ImageView<const std::uint16_t> depth_mm) const {
     return maker_.make(depth_mm, static_cast<float>(options_.max_distance_mm));
   }
@@ -50,13 +65,16 @@ class StartFinder {
     StartVolume fine;
   };
 
-  [[nodiscard]] Result<std::vector<StartFinding>> find_on(const StartPicture& picture,
-                                                          const std::vector<StartPlane>& planes,
-                                                          const StartPlane& plane,
-                                                          const std::stop_token& stop) const;
+  [[nodiscard]] Result<std::vector<StartFinding>> find_on(
+      const StartPicture& picture,
+      const std::vector<StartPlane>& planes,
+      const std::shared_ptr<const StartScene>& scene,
+      const SearchEffort& effort,
+      const std::stop_token& stop) const;
   [[nodiscard]] std::vector<StartFinding> search(const StartPicture& picture,
                                                  const StartScene& scene,
-                                                 const Lying& lying) const;
+                                                 const Lying& lying,
+                                                 const SearchEffort& effort) const;
   void refine(const StartPicture& picture,
               const StartScene& scene,
               std::vector<StartFinding>& findings,
@@ -67,7 +85,6 @@ class StartFinder {
               const std::stop_token& stop) const;
   void search_nearby(const StartPicture& picture,
                      const std::vector<StartPlane>& planes,
-                     const StartScene& scene,
                      StartFinding& best,
                      const std::stop_token& stop) const;
 
@@ -78,6 +95,7 @@ class StartFinder {
   float extent_mm_;         ///< The body's largest side.
   float height_mm_ = 0.0F;  ///< How high it may lie.
   StartVerifier verifier_;
+  FieldRegistration fine_;
   Eigen::AlignedBox3d bounds_;
 };
 

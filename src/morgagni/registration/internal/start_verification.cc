@@ -5,11 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <unordered_set>
 #include <utility>
 
+#include <Eigen/Eigenvalues>
+
 #include "morgagni/geometry/depth_raster.h"
+#include "morgagni/geometry/rigid.h"
 #include "morgagni/registration/internal/sensor_points.h"
+#include "morgagni/registration/internal/start_departure.h"
 
 namespace mor::internal {
 namespace {
@@ -19,6 +24,7 @@ constexpr float kSpacing = 1.0F / 36.0F;  ///< Of the skin's points, of the body
 constexpr float kLargePlane = 0.12F;      ///< Share of the picture's surface.
 constexpr float kInPlaneMm = 3.0F;
 constexpr float kNoises = 2.0F;
+constexpr float kWellMeasured = 0.6F;  ///< Misfit in tolerances.
 /// Skin is floating only if the camera looks past it by so many tolerances.
 constexpr float kFloatingTolerances = 1.2F;
 
@@ -54,10 +60,65 @@ void judge(float reading, float expected, float tolerance_mm, SkinAgreement& agr
   }
 }
 
+double area_mm2(const TriangleMesh& mesh, const Triangle& triangle) {
+  const auto& [a, b, c] = triangle;
+  const Eigen::Vector3f to_b = mesh.vertices[b] - mesh.vertices[a];
+  const Eigen::Vector3f to_c = mesh.vertices[c] - mesh.vertices[a];
+  return 0.5 * static_cast<double>(to_b.cross(to_c).norm());
+}
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+/// Gathers the skin that is measured where it should be: how much, and how firmly it holds a pose.
+class HoldingSkin {
+ public:
+  explicit HoldingSkin(const TriangleMesh& mesh)
+      : mesh_(mesh),
+        center_(mesh.bounds().center()),
+        reach_mm_(0.5F * mesh.bounds().sizes().maxCoeff()) {}
+
+  /// @param at  On the skin, frame ct; seen by `camera` through a pixel of this size at distance 1.
+  void add(const Eigen::Vector3f& at,
+           const Triangle& triangle,
+           const Eigen::Vector3f& camera,
+           float pixel_sr) {
+    constexpr float kLeastFacing = 0.2F;
+    const Eigen::Vector3f normal =
+        (mesh_.normals[triangle[0]] + mesh_.normals[triangle[1]] + mesh_.normals[triangle[2]])
+            .normalized();
+    const Eigen::Vector3f to_camera = camera - at;
+    const float facing = std::max(kLeastFacing, std::abs(normal.dot(to_camera.normalized())));
+    const float area_mm2 = to_camera.squaredNorm() * pixel_sr / facing;
+    Vector6d row;
+    row.head<3>() = normal.cast<double>();
+    row.tail<3>() = ((at - center_) / reach_mm_).cross(normal).cast<double>();
+    moments_ += static_cast<double>(area_mm2) * row * row.transpose();
+    area_mm2_ += static_cast<double>(area_mm2);
+  }
+
+  [[nodiscard]] double area_mm2() const { return area_mm2_; }
+  [[nodiscard]] double firmness() const {
+    if (!(area_mm2_ > 0.0)) return 0.0;
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> axes(moments_ / area_mm2_,
+                                                       Eigen::EigenvaluesOnly);
+    return std::max(0.0, axes.eigenvalues()[0]);
+  }
+
+ private:
+  const TriangleMesh& mesh_;
+  Eigen::Vector3f center_;
+  float reach_mm_;
+  Matrix6d moments_ = Matrix6d::Zero();
+  double area_mm2_ = 0.0;
+};
+
 }  // namespace
 
 StartVerifier::StartVerifier(std::shared_ptr<const FixedSurface> fixed, float body_extent_mm)
     : fixed_(std::move(fixed)) {
+  for (const auto& triangle : fixed_->mesh.triangles) {
+    skin_area_mm2_ += area_mm2(fixed_->mesh, triangle);
+  }
   std::unordered_set<std::uint64_t> taken;
   for (std::size_t i = 0; i < fixed_->mesh.vertices.size(); ++i) {
     const Eigen::Vector3f cell = fixed_->mesh.vertices[i] / (kSpacing * body_extent_mm);
@@ -104,6 +165,12 @@ SkinAgreement StartVerifier::look(const StartPicture& picture,
                                   float tolerance_mm) const {
   SkinAgreement agreement;
   const DepthRaster raster = rasterize_depth(fixed_->mesh, picture.camera, ct_from_depth.inverse());
+  const Eigen::Isometry3f pose = ct_from_depth.cast<float>();
+  const auto pixel_sr =
+      static_cast<float>(1.0 / (picture.camera.focal_x_px * picture.camera.focal_y_px));
+  HoldingSkin holding(fixed_->mesh);
+  Image<float> misfit(
+      raster.depth_mm.width(), raster.depth_mm.height(), std::numeric_limits<float>::quiet_NaN());
   for (int y = 0; y < raster.depth_mm.height(); ++y) {
     for (int x = 0; x < raster.depth_mm.width(); ++x) {
       const float expected = raster.depth_mm(x, y);
@@ -115,8 +182,20 @@ SkinAgreement StartVerifier::look(const StartPicture& picture,
         continue;
       }
       judge(reading, expected, tolerance_mm + noise_mm, agreement);
+      const float straight = picture.z_mm(x, y);
+      if (straight <= 0.0F) continue;
+      misfit(x, y) = (straight - expected) / (tolerance_mm + noise_mm);
+      if (std::abs(misfit(x, y)) < kWellMeasured) {
+        holding.add(pose * picture.point_at(x, y, expected),
+                    fixed_->mesh.triangles[raster.triangle_idx(x, y)],
+                    pose.translation(),
+                    pixel_sr);
+      }
     }
   }
+  agreement.num_departing = count_departing(misfit);
+  agreement.area_share = holding.area_mm2() / skin_area_mm2_;
+  agreement.firmness = holding.firmness();
   return agreement;
 }
 

@@ -1,0 +1,188 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// The automatic start's parts that are told apart from the outside only with difficulty.
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "morgagni/geometry/rigid.h"
+#include "morgagni/registration/internal/start_decision.h"
+#include "morgagni/registration/internal/start_departure.h"
+#include "morgagni/registration/internal/start_mirror.h"
+#include "morgagni/registration/internal/start_planes.h"
+
+namespace mor::internal {
+namespace {
+
+const PinholeCamera kCamera{320, 240, 262.0, 262.0, 159.5, 119.5, {}};
+
+/// What a camera measures of planes, the nearest at each pixel, with noise of 2 mm either way.
+StartPicture picture_of(const std::vector<StartPlane>& planes) {
+  StartPicture picture{kCamera, Image<float>(kCamera.width_px, kCamera.height_px)};
+  std::mt19937 random(5);
+  for (int y = 0; y < kCamera.height_px; ++y) {
+    for (int x = 0; x < kCamera.width_px; ++x) {
+      float nearest = 0.0F;
+      for (const auto& plane : planes) {
+        const float z = plane.offset_mm / plane.normal.dot(picture.point_at(x, y, 1.0F));
+        if (z > 0.0F && (nearest == 0.0F || z < nearest)) nearest = z;
+      }
+      const float noise_mm = static_cast<float>(random() % 401) / 100.0F - 2.0F;
+      if (nearest > 0.0F) picture.z_mm(x, y) = nearest + noise_mm;
+    }
+  }
+  return picture;
+}
+
+/// A table before the camera, tilted away from it, and a wall that rises from its far edge.
+const Eigen::Vector3f kUp = Eigen::Vector3f(0.1F, -0.7F, -0.7F).normalized();
+const Eigen::Vector3f kOffWall = Eigen::Vector3f::UnitX().cross(kUp).normalized();
+const StartPlane kTable{kUp, kUp.dot(Eigen::Vector3f(0.0F, 0.0F, 900.0F))};
+const StartPlane kWall{kOffWall, kOffWall.dot(Eigen::Vector3f(0.0F, -120.0F, 1000.0F))};
+
+void expect_among(const std::vector<StartPlane>& planes, const StartPlane& expected) {
+  for (const auto& plane : planes) {
+    if (plane.normal.dot(expected.normal) > 0.9998F) {
+      EXPECT_NEAR(plane.offset_mm, expected.offset_mm, 3.0F);
+      return;
+    }
+  }
+  ADD_FAILURE() << "no plane with the normal " << expected.normal.transpose();
+}
+
+TEST(StartPlanes, AreATableAndAWallToADegree) {
+  ASSERT_LT(kOffWall.z(), 0.0F);
+  const auto planes = find_planes(picture_of({kTable, kWall}), std::nullopt);
+  ASSERT_GE(planes.size(), 2U);
+  expect_among(planes, kTable);
+  expect_among(planes, kWall);
+  EXPECT_GE(planes[0].share, planes[1].share);
+  EXPECT_NEAR(planes[0].share + planes[1].share, 1.0F, 0.1F);
+}
+
+TEST(StartPlanes, AreLevelWhereGravityIsKnown) {
+  const auto planes = find_planes(picture_of({kTable, kWall}), kUp);
+  ASSERT_FALSE(planes.empty());
+  for (const auto& plane : planes) EXPECT_GT(plane.normal.dot(kUp), 0.97F);
+  expect_among(planes, kTable);
+}
+
+TEST(StartPlanes, AreNoneOfAnEmptyPicture) {
+  const StartPicture empty{kCamera, Image<float>(kCamera.width_px, kCamera.height_px)};
+  EXPECT_TRUE(find_planes(empty, std::nullopt).empty());
+}
+
+/// Skin up to column 30; from there on what `misfit_at(columns beyond)` says.
+template <class F>
+Image<float> skin_then(const F& misfit_at) {
+  Image<float> misfit(60, 40, 0.0F);
+  for (int y = 0; y < 40; ++y) {
+    for (int x = 30; x < 60; ++x) misfit(x, y) = misfit_at(x - 29);
+  }
+  return misfit;
+}
+
+TEST(StartDeparture, IsASlopeAndNotAStep) {
+  const auto slope = skin_then([](int beyond) { return -0.2F * static_cast<float>(beyond); });
+  // Columns with a misfit between -1 and -4, without the picture's edge rows.
+  EXPECT_NEAR(count_departing(slope), 14 * 38, 2 * 38);
+  EXPECT_EQ(count_departing(skin_then([](int) { return -1.5F; })), 0);
+  EXPECT_EQ(count_departing(skin_then([](int) { return 0.1F; })), 0);
+}
+
+TEST(StartDeparture, IsNothingBehindTheSkinOrWithoutReadings) {
+  EXPECT_EQ(
+      count_departing(skin_then([](int beyond) { return 0.2F * static_cast<float>(beyond); })), 0);
+  EXPECT_EQ(count_departing(Image<float>(30, 20, std::numeric_limits<float>::quiet_NaN())), 0);
+  EXPECT_EQ(count_departing(Image<float>(1, 1, 0.0F)), 0);
+}
+
+/// A look at the right pose with a good part of the body in view.
+SkinAgreement good_look() {
+  SkinAgreement look;
+  look.num_seen = 2000.0;
+  look.num_agree = 920.0;
+  look.num_hidden = 1000.0;
+  look.num_floating = 8.0;
+  look.area_share = 0.2;
+  look.firmness = 0.02;
+  return look;
+}
+
+AutomaticStartStatus status_of(const SkinAgreement& look,
+                               double runner_up_share = 0.2,
+                               double mirrored_share = 0.5) {
+  const auto verdict = decide_start({look, runner_up_share, mirrored_share});
+  EXPECT_EQ(verdict.reason.empty(), verdict.status == AutomaticStartStatus::kFound);
+  return verdict.status;
+}
+
+TEST(StartDecision, FindsAPoseThatHalfTheSkinSpeaksFor) {
+  EXPECT_EQ(status_of(good_look()), AutomaticStartStatus::kFound);
+}
+
+TEST(StartDecision, IsRefusedByEachDoubtAlone) {
+  SkinAgreement look = good_look();
+  look.num_floating = 140.0;
+  EXPECT_EQ(status_of(look), AutomaticStartStatus::kNotFound);
+  EXPECT_THAT(decide_start({look}).reason, testing::HasSubstr("looks through 7 %"));
+  look = good_look();
+  look.num_departing = 120.0;
+  EXPECT_EQ(status_of(look), AutomaticStartStatus::kNotFound);
+  EXPECT_THAT(decide_start({look}).reason, testing::HasSubstr("without an edge"));
+  look = good_look();
+  look.num_agree = 640.0;
+  EXPECT_EQ(status_of(look), AutomaticStartStatus::kNotFound);
+  look = good_look();
+  look.firmness = 2e-4;
+  EXPECT_EQ(status_of(look), AutomaticStartStatus::kAmbiguous);
+  EXPECT_EQ(status_of({}), AutomaticStartStatus::kNotFound);
+}
+
+TEST(StartDecision, AddsDoubtsUp) {
+  SkinAgreement look = good_look();
+  look.num_floating = 50.0;
+  EXPECT_EQ(status_of(look), AutomaticStartStatus::kFound);
+  look.firmness = 0.001;
+  EXPECT_NE(status_of(look), AutomaticStartStatus::kFound);
+}
+
+TEST(StartDecision, IsAmbiguousBesideAnotherPoseOrTheMirrorImage) {
+  SkinAgreement look = good_look();
+  look.num_floating = 30.0;
+  EXPECT_EQ(status_of(look, 0.1), AutomaticStartStatus::kFound);
+  EXPECT_EQ(status_of(look, 1.0), AutomaticStartStatus::kAmbiguous);
+  EXPECT_EQ(status_of(look, 0.1, 1.05), AutomaticStartStatus::kAmbiguous);
+  EXPECT_THAT(decide_start({look, 0.1, 1.05}).reason, testing::HasSubstr("mirror image"));
+}
+
+TEST(StartMirror, TurnsAPoseIntoOneOfTheMirroredPicture) {
+  const Eigen::Vector3d middle(40.0, -20.0, 300.0);
+  const Eigen::Isometry3d pose =
+      Eigen::Translation3d(10.0, -600.0, 250.0) *
+      Eigen::AngleAxisd(1.2, Eigen::Vector3d(1.0, 0.4, -0.2).normalized());
+  const Eigen::Isometry3d other = mirrored(pose, middle);
+  EXPECT_NEAR(other.linear().determinant(), 1.0, 1e-9);
+  const Eigen::Vector3d seen(30.0, -50.0, 700.0);
+  const Eigen::Vector3d in_ct = pose * seen;
+  const Eigen::Vector3d mirrored_seen(-seen.x(), seen.y(), seen.z());
+  const Eigen::Vector3d mirrored_in_ct(2.0 * middle.x() - in_ct.x(), in_ct.y(), in_ct.z());
+  EXPECT_LT((other * mirrored_seen - mirrored_in_ct).norm(), 1e-9);
+  EXPECT_LT((mirrored(other, middle).matrix() - pose.matrix()).norm(), 1e-9);
+}
+
+TEST(StartMirror, SeesAPixelsPointOnTheOtherSide) {
+  StartPicture picture = picture_of({kTable});
+  picture.camera.center_x_px = 150.25;
+  const StartPicture other = mirrored(picture);
+  const Eigen::Vector3f point = picture.point(20, 30);
+  const Eigen::Vector3f there = other.point(kCamera.width_px - 1 - 20, 30);
+  EXPECT_LT((there - Eigen::Vector3f(-point.x(), point.y(), point.z())).norm(), 1e-2F);
+}
+
+}  // namespace
+}  // namespace mor::internal
