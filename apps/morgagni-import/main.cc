@@ -14,6 +14,7 @@
 #include "dicom_segmentation.h"
 #include "dicom_study.h"
 #include "image_file.h"
+#include "mesh_file.h"
 #include "messages.h"
 #include "sandbox.h"
 #include "study_files.h"
@@ -30,6 +31,7 @@ struct Job {
 };
 
 Result<void> work(const Job& job) {
+  if (job.task == mor::kReadMeshTask) return mor::import::import_mesh_file(job.path);
   const bool is_study = fs::is_directory(job.path) || mor::import::is_study_file(job.path);
   if (job.task == mor::kReadLabelsTask) {
     return is_study ? mor::import::import_dicom_segmentation(job.path)

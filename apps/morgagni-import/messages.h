@@ -22,6 +22,8 @@ void say_note(std::string_view sentence);
 void say_series(const CtSeries& series);
 /// @param color  Red, green, blue, 0 to 1.
 void say_label(int value, const std::array<double, 3>& color, std::string_view name);
+/// The frame that a mesh says it is in: "LPS" or "RAS".
+void say_frame(std::string_view frame);
 void say_error(const Error& error);
 
 /// The first of the names, and how many more there are.
@@ -32,5 +34,13 @@ void set_description(ImportHeader& header, std::string_view text);
 /// Writes the header to the parent's memory file and gives the place for the voxels behind it: what
 /// is written there needs no copy to be handed over. @errors kIo.
 [[nodiscard]] Result<std::span<std::int16_t>> open_voxels(const ImportHeader& header);
+
+/// The place for a mesh behind its header: x, y, z of each vertex; three indices a triangle.
+struct MeshPlace {
+  std::span<float> positions;
+  std::span<std::uint32_t> indices;
+};
+/// The same for a mesh. @errors kIo.
+[[nodiscard]] Result<MeshPlace> open_mesh(const ImportMeshHeader& header);
 
 }  // namespace mor::import

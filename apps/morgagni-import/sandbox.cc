@@ -102,6 +102,13 @@ void give_up_rights() {
   }
 }
 
+void limit_time(std::uint64_t seconds) {
+  rlimit now{};
+  if (::getrlimit(RLIMIT_CPU, &now) != 0) return;
+  now.rlim_cur = std::min<rlim_t>(seconds, now.rlim_max);
+  (void)::setrlimit(RLIMIT_CPU, &now);
+}
+
 void allow_memory(std::uint64_t declared_bytes) {
   if (MOR_IMPORT_SANITIZED != 0) return;
   rlimit now{};

@@ -14,4 +14,7 @@ void give_up_rights();
 /// Raises the memory limit to 256 MiB and what a file has declared, once that was found plausible.
 void allow_memory(std::uint64_t declared_bytes);
 
+/// Lowers the processor time that is left for everything: past it the process dies (SIGXCPU).
+void limit_time(std::uint64_t seconds);
+
 }  // namespace mor::import

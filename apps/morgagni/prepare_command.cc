@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <filesystem>
+#include <map>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -16,6 +17,9 @@
 
 namespace mor {
 namespace {
+
+const std::map<std::string, MeshFrame> kFrames = {{"lps", MeshFrame::kLps},
+                                                  {"ras", MeshFrame::kRas}};
 
 struct Arguments {
   std::filesystem::path ct;
@@ -109,6 +113,19 @@ void add_prepare_command(CLI::App& app) {
           "CT; may be given several times")
       ->expected(1)
       ->take_all();
+  command
+      ->add_option("--structure",
+                   arguments->options.meshes,
+                   "Structures: a surface (STL, OBJ, PLY) in this CT's millimetres; may be given "
+                   "several times")
+      ->expected(1)
+      ->take_all();
+  command
+      ->add_option("--structure-frame",
+                   arguments->options.mesh.frame,
+                   "Frame of the surfaces that do not name theirs: lps (DICOM) or ras (NIfTI)")
+      ->transform(CLI::CheckedTransformer(kFrames))
+      ->default_str("lps");
   command->add_flag("--total-segmentator",
                     arguments->options.total_segmentator,
                     "Labels without names have TotalSegmentator's (task \"total\")");
@@ -140,6 +157,8 @@ void add_prepare_command(CLI::App& app) {
       "  morgagni prepare head.nii.gz --preview body.png --threshold-hu -250\n"
       "  morgagni prepare chest.nii.gz --case cases/chest --labels organs.nii.gz "
       "--total-segmentator\n"
+      "  morgagni prepare head.nii.gz --case cases/head --structure bullet.stl "
+      "--structure-frame ras\n"
       "  morgagni prepare head.nii.gz --case cases/head --threshold-hu -250");
   command->callback([arguments, folder] {
     if (arguments->list_series) return list_series(arguments->ct);

@@ -65,6 +65,9 @@ Json to_json(const PrepareOptions& options) {
             {"metal_hu", options.automatic.metal_hu},
             {"min_metal_mm3", options.automatic.min_metal_mm3},
             {"num_triangles", options.automatic.num_triangles}}},
+          {"mesh",
+           {{"frame", options.mesh.frame == MeshFrame::kRas ? "ras" : "lps"},
+            {"num_triangles", options.mesh.num_triangles}}},
           {"labels",
            {{"num_triangles", options.labels.num_triangles},
             {"min_volume_mm3", options.labels.min_volume_mm3},
@@ -164,61 +167,104 @@ Json to_json(const std::vector<CutPart>& parts) {
   return list;
 }
 
-/// No label map of another body: it has to lie where the CT lies.
-Result<void> check_place(const Volume& labels, const Volume& volume, const fs::path& path) {
-  const auto box_of = [](const Volume& grid) {
-    Eigen::AlignedBox3d box;
-    for (int corner = 0; corner < 8; ++corner) {
-      Eigen::Vector3d place;
-      for (int axis = 0; axis < 3; ++axis)
-        place[axis] = (corner >> axis & 1) * (grid.size[static_cast<std::size_t>(axis)] - 1) *
-                      grid.spacing_mm[axis];
-      box.extend(grid.ct_from_grid * place);
-    }
-    return box;
-  };
-  constexpr double kLeastShare = 0.5;
-  const auto box = box_of(labels);
-  const auto common = box.intersection(box_of(volume));
-  if (!common.isEmpty() && common.volume() >= kLeastShare * box.volume()) return {};
-  return make_error(ErrorCode::kInvalidArgument,
-                    fmt::format("{} lies elsewhere in space than the CT: it was made from another "
-                                "scan",
-                                path.string()));
+Eigen::AlignedBox3d box_of(const Volume& grid) {
+  Eigen::AlignedBox3d box;
+  for (int corner = 0; corner < 8; ++corner) {
+    Eigen::Vector3d place;
+    for (int axis = 0; axis < 3; ++axis)
+      place[axis] = (corner >> axis & 1) * (grid.size[static_cast<std::size_t>(axis)] - 1) *
+                    grid.spacing_mm[axis];
+    box.extend(grid.ct_from_grid * place);
+  }
+  return box;
 }
 
-/// Adds the structures of all label maps; each name is there once.
-Result<void> add_label_maps(const PrepareOptions& options,
-                            const Volume& volume,
-                            std::vector<LabelSurface>& all,
-                            const Progress& progress) {
-  std::set<std::string> names = {"bone", "skin"};
-  for (const auto& surface : all) names.insert(surface.name);
-  for (const auto& path : options.label_maps) {
+/// No structure of another body: it has to lie where the CT lies.
+Result<void> check_place(const Eigen::AlignedBox3d& box,
+                         const Volume& volume,
+                         const fs::path& path,
+                         const char* otherwise) {
+  constexpr double kLeastShare = 0.5;
+  const auto common = box.intersection(box_of(volume));
+  // A flat structure has no volume, but lies somewhere too.
+  const Eigen::Vector3d sizes = box.sizes().cwiseMax(1e-3);
+  if (!common.isEmpty() && common.sizes().cwiseMax(1e-3).prod() >= kLeastShare * sizes.prod())
+    return {};
+  return make_error(
+      ErrorCode::kInvalidArgument,
+      fmt::format("{} lies elsewhere in space than the CT: {}", path.string(), otherwise));
+}
+
+/// Structures from files, each name once.
+class GivenStructures {
+ public:
+  GivenStructures(const Volume& volume, std::vector<StructureSurface> found)
+      : volume_(volume), all_(std::move(found)) {
+    for (const auto& structure : all_) names_.insert(structure.name);
+  }
+
+  Result<void> add_label_map(const fs::path& path,
+                             const PrepareOptions& options,
+                             const Progress& progress) {
     MOR_TRY(LabelMap labels, import_label_map(path, progress));
-    MOR_CHECK(check_place(labels.voxels, volume, path));
+    MOR_CHECK(check_place(box_of(labels.voxels), volume_, path, "it was made from another scan"));
     if (labels.names.empty() && options.total_segmentator) labels.names = total_segmentator_names();
     auto surfaces = extract_labels(labels, options.labels, progress);
     if (!surfaces)
       return make_error(surfaces.error().code, path.string() + ": " + surfaces.error().message);
-    for (auto& surface : *surfaces) {
-      const std::string name = surface.name;
-      for (int i = 2; !names.insert(surface.name).second; ++i)
-        surface.name = fmt::format("{} {}", name, i);
-      all.push_back(std::move(surface));
-    }
+    for (auto& surface : *surfaces) add(std::move(surface));
+    return {};
   }
-  if (all.size() < kMaxStructures) return {};
-  return make_error(
-      ErrorCode::kInvalidArgument,
-      fmt::format(
-          "there are {} structures, a case takes up to {}", all.size(), kMaxStructures - 1));
+
+  Result<void> add_mesh(const fs::path& path,
+                        const PrepareOptions& options,
+                        const Progress& progress) {
+    MOR_TRY(auto surface, import_structure_mesh(path, options.mesh, progress));
+    MOR_CHECK(check_place(surface.mesh.bounds().cast<double>(),
+                          volume_,
+                          path,
+                          "it is of another scan, in RAS (--structure-frame ras), or not in mm"));
+    add(std::move(surface));
+    return {};
+  }
+
+  Result<std::vector<StructureSurface>> take() {
+    if (all_.size() < kMaxStructures) return std::move(all_);
+    return make_error(
+        ErrorCode::kInvalidArgument,
+        fmt::format(
+            "there are {} structures, a case takes up to {}", all_.size(), kMaxStructures - 1));
+  }
+
+ private:
+  void add(StructureSurface surface) {
+    const std::string name = surface.name;
+    for (int i = 2; !names_.insert(surface.name).second; ++i)
+      surface.name = fmt::format("{} {}", name, i);
+    all_.push_back(std::move(surface));
+  }
+
+  const Volume& volume_;
+  std::vector<StructureSurface> all_;
+  std::set<std::string> names_ = {"bone", "skin"};
+};
+
+Result<std::vector<StructureSurface>> all_structures(const Volume& volume,
+                                                     const Volume& body,
+                                                     const PrepareOptions& options,
+                                                     const Progress& progress) {
+  MOR_TRY(auto found, extract_automatic_structures(body, options.automatic, progress));
+  GivenStructures given(volume, std::move(found));
+  for (const auto& path : options.label_maps)
+    MOR_CHECK(given.add_label_map(path, options, progress));
+  for (const auto& path : options.meshes) MOR_CHECK(given.add_mesh(path, options, progress));
+  return given.take();
 }
 
 struct Prepared {
   TriangleMesh skin;
   TriangleMesh bone;
-  std::vector<LabelSurface> structures;  ///< Beside the bone.
+  std::vector<StructureSurface> structures;  ///< Beside the bone.
   DistanceField field;
   std::vector<std::byte> preview;  ///< PNG.
   Volume body;
@@ -256,6 +302,7 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
   MOR_CHECK(options.skin.check());
   MOR_CHECK(options.bone.check());
   MOR_CHECK(options.labels.check());
+  MOR_CHECK(options.mesh.check());
   MOR_CHECK(options.automatic.check());
   MOR_CHECK(check_target(folder));
   MOR_TRY(const auto lock, lock_case(folder));
@@ -268,8 +315,7 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
 
   MOR_TRY(auto skin, extract_skin(volume, options.skin, progress));
   MOR_TRY(auto bone, extract_bone(volume, options.bone, progress));
-  MOR_TRY(auto structures, extract_automatic_structures(skin.body, options.automatic, progress));
-  MOR_CHECK(add_label_maps(options, volume, structures, progress));
+  MOR_TRY(auto structures, all_structures(volume, skin.body, options, progress));
   progress("distance field", 0.0);
   MOR_TRY(auto field, DistanceField::build(skin.remeshed));
   progress("distance field", 1.0);

@@ -10,6 +10,7 @@
 #include "morgagni/core/result.h"
 #include "morgagni/ct/automatic_structures.h"
 #include "morgagni/ct/label_map.h"
+#include "morgagni/ct/structure_mesh.h"
 #include "morgagni/ct/surfaces.h"
 #include "morgagni/ct/volume_import.h"
 
@@ -18,8 +19,10 @@ namespace mor {
 struct PrepareOptions {
   ImportOptions ct;
   std::vector<std::filesystem::path> label_maps;  ///< Structures that were segmented elsewhere.
+  std::vector<std::filesystem::path> meshes;      ///< The same, as surfaces.
   bool total_segmentator = false;  ///< Labels without names are TotalSegmentator's "total".
   LabelSurfaceOptions labels;
+  StructureMeshOptions mesh;
   AutomaticStructureOptions automatic;
   SkinOptions skin;
   BoneOptions bone;

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -133,6 +134,33 @@ TEST_F(PrepareTest, TakesStructuresFromLabelMaps) {
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, HasSubstr("other.mha lies elsewhere in space than the CT"));
   EXPECT_FALSE(fs::exists(place_ / "other"));
+}
+
+TEST_F(PrepareTest, TakesSurfacesThatLieInTheBody) {
+  const auto write_obj = [&](const std::string& name, double scale) {
+    std::string text;
+    for (const auto& v : {Eigen::Vector3d(0, -20, 130),
+                          Eigen::Vector3d(9, -20, 130),
+                          Eigen::Vector3d(0, -11, 130),
+                          Eigen::Vector3d(0, -20, 139)})
+      text += fmt::format("v {} {} {}\n", scale * v.x(), scale * v.y(), scale * v.z());
+    EXPECT_TRUE(write_file(place_ / name, text + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"));
+    return place_ / name;
+  };
+  auto with_mesh = options();
+  with_mesh.meshes = {write_obj("bullet.obj", 1.0)};
+  const auto summary = prepare_case(ct_, case_, with_mesh, kQuiet);
+  ASSERT_TRUE(summary) << summary.error().message;
+  const auto body = load_case(case_).value();
+  ASSERT_EQ(body.structures.size(), 2U);
+  EXPECT_EQ(body.structures[1].name, "bullet");
+  EXPECT_NEAR(body.structures[1].mesh.bounds().max().z(), 139.0F, 1e-4F);
+
+  with_mesh.meshes = {write_obj("metres.obj", 0.001)};
+  const auto refused = prepare_case(ct_, place_ / "other", with_mesh, kQuiet);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("metres.obj lies elsewhere in space than the CT"));
+  EXPECT_THAT(refused.error().message, HasSubstr("or not in mm"));
 }
 
 TEST_F(PrepareTest, ReplacesACaseButNoOtherFolder) {

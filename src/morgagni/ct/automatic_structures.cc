@@ -188,7 +188,7 @@ Result<void> AutomaticStructureOptions::check() const {
   return {};
 }
 
-Result<std::vector<LabelSurface>> extract_automatic_structures(
+Result<std::vector<StructureSurface>> extract_automatic_structures(
     const Volume& body, const AutomaticStructureOptions& options, const Progress& progress) {
   constexpr const char* kStage = "lungs, gas, metal";
   MOR_CHECK(options.check());
@@ -199,7 +199,7 @@ Result<std::vector<LabelSurface>> extract_automatic_structures(
   auto all = find_dark(body, options);
   report(0.4);
   all.push_back(find_metal(body, options));
-  std::vector<LabelSurface> surfaces;
+  std::vector<StructureSurface> surfaces;
   for (const auto& found : all) {
     report(0.5 + 0.15 * static_cast<double>(surfaces.size()));
     if (found.mask.count() == 0) continue;

@@ -31,7 +31,7 @@ struct AutomaticStructureOptions {
 /// @param body  SkinSurfaces::body: beside the body kOutsideHu.
 /// @return Closed, smooth meshes with normals, frame ct; a cut by the scan's end is closed flat.
 /// @errors kInvalidArgument: bad options.
-[[nodiscard]] Result<std::vector<LabelSurface>> extract_automatic_structures(
+[[nodiscard]] Result<std::vector<StructureSurface>> extract_automatic_structures(
     const Volume& body, const AutomaticStructureOptions& options, const Progress& progress);
 
 }  // namespace mor

@@ -47,16 +47,16 @@ Volume body_with(const Inside& inside) {
   return volume;
 }
 
-std::vector<LabelSurface> structures_of(const Volume& body) {
+std::vector<StructureSurface> structures_of(const Volume& body) {
   auto found = extract_automatic_structures(body, {}, {});
   EXPECT_TRUE(found) << found.error().message;
-  return found ? std::move(*found) : std::vector<LabelSurface>();
+  return found ? std::move(*found) : std::vector<StructureSurface>();
 }
 
 TEST(AutomaticStructures, FindsLungsGasAndMetalWhereTheyAre) {
   const auto found = structures_of(body_with({}));
   ASSERT_EQ(found.size(), 3U);
-  const auto expect_ball = [](const LabelSurface& surface,
+  const auto expect_ball = [](const StructureSurface& surface,
                               const std::string& name,
                               const Eigen::Vector3f& center,
                               double radius_mm) {

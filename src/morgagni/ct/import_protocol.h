@@ -16,9 +16,11 @@ namespace mor {
 ///   n SENTENCE        a note: something was skipped or changed
 ///   s FIELDS          a series: the fields of CtSeries in their order, each ended by a tab
 ///   l VALUE RED GREEN BLUE NAME   what a label means
+///   c FRAME           the frame that a mesh says it is in, LPS or RAS
 ///   e CODE SENTENCE   why there is no volume; CODE is an ErrorCode as a number
 inline constexpr const char* kReadVolumeTask = "volume";
 inline constexpr const char* kReadLabelsTask = "labels";  ///< As a volume; voxels are labels.
+inline constexpr const char* kReadMeshTask = "mesh";      ///< An ImportMeshHeader, then the mesh.
 inline constexpr const char* kListSeriesTask = "list-series";
 inline constexpr int kImportMessagesFd = 3;
 inline constexpr int kImportVoxelsFd = 4;
@@ -36,5 +38,16 @@ struct ImportHeader {
   std::array<char, 256> description{};  ///< One line, ends with zero.
 };
 static_assert(sizeof(ImportHeader) == 8 + 16 + 24 + 24 + 72 + 256);
+
+inline constexpr std::array<char, 8> kImportMeshMagic = {'M', 'O', 'R', 'M', 'S', 'H', '0', '1'};
+inline constexpr std::uint64_t kMaxMeshTriangles = 10'000'000;
+
+/// Behind it 3 floats a vertex, then 3 uint32 indices a triangle.
+struct ImportMeshHeader {
+  std::array<char, 8> magic{};
+  std::uint64_t num_vertices = 0;
+  std::uint64_t num_triangles = 0;
+};
+static_assert(sizeof(ImportMeshHeader) == 24);
 
 }  // namespace mor

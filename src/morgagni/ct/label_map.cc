@@ -124,9 +124,9 @@ Result<void> LabelSurfaceOptions::check() const {
   return {};
 }
 
-Result<std::vector<LabelSurface>> extract_labels(const LabelMap& labels,
-                                                 const LabelSurfaceOptions& options,
-                                                 const Progress& progress) {
+Result<std::vector<StructureSurface>> extract_labels(const LabelMap& labels,
+                                                     const LabelSurfaceOptions& options,
+                                                     const Progress& progress) {
   constexpr const char* kStage = "labels";
   MOR_CHECK(options.check());
   if (progress) progress(kStage, 0.0);
@@ -139,7 +139,7 @@ Result<std::vector<LabelSurface>> extract_labels(const LabelMap& labels,
                           std::to_string(kMaxLabels) + " are drawn: is it a CT?");
   }
   const double voxel_mm3 = labels.voxels.spacing_mm.prod();
-  std::vector<LabelSurface> surfaces;
+  std::vector<StructureSurface> surfaces;
   std::size_t num_done = 0;
   for (const auto& [label, box] : boxes) {
     if (static_cast<double>(box.num_voxels) * voxel_mm3 >= options.min_volume_mm3) {

@@ -42,7 +42,7 @@ struct LabelSurfaceOptions {
   [[nodiscard]] Result<void> check() const;
 };
 
-struct LabelSurface {
+struct StructureSurface {
   std::string name;  ///< "label 7" where nobody names it.
   Eigen::Vector3f color = Eigen::Vector3f::Ones();
   TriangleMesh mesh;  ///< Closed, smooth, with normals; frame ct.
@@ -51,8 +51,7 @@ struct LabelSurface {
 /// A surface for each label, in the order of the labels.
 /// @errors kInvalidArgument: bad options, no label at all, more than 200 labels.
 /// @cost Goes with the labels' boxes; 512x512x300 with 24 large labels: see label_map_test.
-[[nodiscard]] Result<std::vector<LabelSurface>> extract_labels(const LabelMap& labels,
-                                                               const LabelSurfaceOptions& options,
-                                                               const Progress& progress);
+[[nodiscard]] Result<std::vector<StructureSurface>> extract_labels(
+    const LabelMap& labels, const LabelSurfaceOptions& options, const Progress& progress);
 
 }  // namespace mor

@@ -64,6 +64,7 @@ struct Talk {
   std::optional<Error> error;
   std::vector<CtSeries> series;
   std::vector<LabelName> labels;
+  std::string frame;
   int num_notes = 0;
   bool broken = false;
 };
@@ -144,6 +145,8 @@ void hear_line(std::string_view line, Talk& talk, const Progress& progress) {
   } else if (line[0] == 'l') {
     if (auto label = label_of(text); label && talk.labels.size() < kMaxLabels)
       talk.labels.push_back(*std::move(label));
+  } else if (line[0] == 'c') {
+    talk.frame = text;
   } else if (line[0] == 'e' && !talk.error) {
     talk.error = error_of(text);
   }
@@ -250,6 +253,35 @@ Result<Volume> take_volume(int voxels_fd) {
   return volume;
 }
 
+Result<TriangleMesh> take_mesh(int fd) {
+  const auto bad = make_error(ErrorCode::kIo, "the import process gave no sound mesh");
+  ImportMeshHeader header;
+  struct stat info {};
+  if (!read_exactly(fd, &header, sizeof(header), 0) || header.magic != kImportMeshMagic ||
+      header.num_triangles > kMaxMeshTriangles || header.num_vertices > 3 * kMaxMeshTriangles ||
+      ::fstat(fd, &info) != 0)
+    return bad;
+  TriangleMesh mesh;
+  const std::size_t num_vertex_bytes = header.num_vertices * sizeof(Eigen::Vector3f);
+  const std::size_t num_triangle_bytes = header.num_triangles * sizeof(Triangle);
+  if (static_cast<std::size_t>(info.st_size) !=
+      sizeof(header) + num_vertex_bytes + num_triangle_bytes)
+    return bad;
+  mesh.vertices.resize(header.num_vertices);
+  mesh.triangles.resize(header.num_triangles);
+  const auto triangles_at = static_cast<off_t>(sizeof(header) + num_vertex_bytes);
+  if (!read_exactly(fd, mesh.vertices.data(), num_vertex_bytes, sizeof(header)) ||
+      !read_exactly(fd, mesh.triangles.data(), num_triangle_bytes, triangles_at))
+    return bad;
+  const auto is_bad = [&](const Triangle& triangle) {
+    return std::any_of(triangle.begin(), triangle.end(), [&](std::uint32_t corner) {
+      return corner >= mesh.vertices.size() || !mesh.vertices[corner].allFinite();
+    });
+  };
+  if (std::any_of(mesh.triangles.begin(), mesh.triangles.end(), is_bad)) return bad;
+  return mesh;
+}
+
 Error death_of_child(int status, const Talk& talk, const std::filesystem::path& path) {
   std::string how = "ended with code " + std::to_string(WEXITSTATUS(status));
   if (WIFSIGNALED(status)) {
@@ -331,6 +363,17 @@ Result<LabelMap> run_label_process(const std::filesystem::path& program,
   labels.names = std::move(talk.labels);
   if (progress) progress(kStage, 1.0);
   return labels;
+}
+
+Result<ImportedMesh> run_mesh_process(const std::filesystem::path& program,
+                                      const ImportJob& job,
+                                      std::chrono::seconds time_limit,
+                                      const Progress& progress) {
+  const Fd memory(above_the_fixed_ones(::memfd_create("morgagni-import", MFD_CLOEXEC)));
+  MOR_TRY(const Talk talk, converse(program, job, memory, time_limit, progress));
+  MOR_TRY(TriangleMesh mesh, take_mesh(memory.get()));
+  if (progress) progress(kStage, 1.0);
+  return ImportedMesh{std::move(mesh), talk.frame};
 }
 
 Result<std::vector<CtSeries>> run_series_process(const std::filesystem::path& program,

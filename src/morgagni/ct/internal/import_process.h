@@ -11,6 +11,7 @@
 #include "morgagni/core/result.h"
 #include "morgagni/ct/ct_series.h"
 #include "morgagni/ct/label_map.h"
+#include "morgagni/geometry/triangle_mesh.h"
 #include "morgagni/geometry/volume.h"
 
 namespace mor::internal {
@@ -39,6 +40,17 @@ struct ImportJob {
                                                  const ImportJob& job,
                                                  std::chrono::seconds time_limit,
                                                  const Progress& progress);
+
+/// A mesh, and the frame that its file names ("LPS", "RAS" or nothing).
+struct ImportedMesh {
+  TriangleMesh mesh;
+  std::string frame;
+};
+/// The same for a mesh. Its indices and numbers are checked here.
+[[nodiscard]] Result<ImportedMesh> run_mesh_process(const std::filesystem::path& program,
+                                                    const ImportJob& job,
+                                                    std::chrono::seconds time_limit,
+                                                    const Progress& progress);
 
 /// The same for the series that the program finds.
 [[nodiscard]] Result<std::vector<CtSeries>> run_series_process(const std::filesystem::path& program,

@@ -75,6 +75,11 @@ TriangleMesh simplified(const TriangleMesh& mesh, int num_triangles) {
 void finish_surface(TriangleMesh& mesh, int num_triangles) {
   if (mesh.empty()) return;
   smooth(mesh);
+  finish_given_surface(mesh, num_triangles);
+}
+
+void finish_given_surface(TriangleMesh& mesh, int num_triangles) {
+  if (mesh.empty()) return;
   mesh = simplified(mesh, num_triangles);
   mesh.normals = vertex_normals(mesh);
 }

@@ -10,4 +10,7 @@ namespace mor::internal {
 /// `num_triangles`, in an order that graphics cards like, with normals. An empty mesh stays empty.
 void finish_surface(TriangleMesh& mesh, int num_triangles);
 
+/// The same without smoothing: for a mesh that somebody else made.
+void finish_given_surface(TriangleMesh& mesh, int num_triangles);
+
 }  // namespace mor::internal
