@@ -149,6 +149,49 @@ TEST_P(OverlayRendererCamera, CoversABallsOutlineToHalfAPixel) {
   EXPECT_EQ(num_wrong, 0);
 }
 
+/// Whether the pinhole's ray meets a cube around the origin of ct.
+bool ray_hits_cube(const PinholeCamera& camera,
+                   const Eigen::Vector2d& pixel,
+                   const Eigen::Isometry3d& color_from_ct,
+                   double half_mm) {
+  const Eigen::Isometry3d ct_from_color = color_from_ct.inverse();
+  const Eigen::Vector3d direction = camera.ray(pixel).homogeneous();
+  const Eigen::Array3d ray = (ct_from_color.linear() * direction).array();
+  const Eigen::Array3d eye = ct_from_color.translation().array();
+  const Eigen::Array3d a = (-half_mm - eye) / ray;
+  const Eigen::Array3d b = (half_mm - eye) / ray;
+  return a.min(b).maxCoeff() < a.max(b).minCoeff();
+}
+
+TEST_P(OverlayRendererCamera, CoversACubesOutlineToHalfAPixel) {
+  const PinholeCamera camera = GetParam();
+  constexpr double kHalfMm = 70.0;
+  const auto renderer = make_renderer(testing::make_cube(kHalfMm, 24));
+  Eigen::Isometry3d pose = at(-50.0, 30.0, 520.0);
+  pose.linear() = (Eigen::AngleAxisd(0.6, Eigen::Vector3d::UnitX()) *
+                   Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitY()))
+                      .toRotationMatrix();
+  const auto picture = rendered(*renderer, gray(camera), everywhere(camera, pose));
+  // Where the half side grows by a mm, an edge moves by up to the square root of two.
+  const double half_px_mm =
+      0.5 / std::numbers::sqrt2 * 520.0 / std::min(camera.focal_x_px, camera.focal_y_px);
+  int num_wrong = 0;
+  int num_bone = 0;
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) {
+      const Eigen::Vector2d pixel(x, y);
+      const bool is_shown = is_bone(picture(x, y));
+      num_bone += is_shown ? 1 : 0;
+      if (is_shown ? !ray_hits_cube(camera, pixel, pose, kHalfMm + half_px_mm)
+                   : ray_hits_cube(camera, pixel, pose, kHalfMm - half_px_mm)) {
+        ++num_wrong;
+      }
+    }
+  }
+  EXPECT_GT(num_bone, 10000);
+  EXPECT_EQ(num_wrong, 0);
+}
+
 INSTANTIATE_TEST_SUITE_P(Cameras,
                          OverlayRendererCamera,
                          ::testing::Values(kCamera, kOffCenter, kBarrel, kFullHd));

@@ -64,28 +64,90 @@ TriangleMesh with_corners(const TriangleMesh& mesh, const std::vector<unsigned>&
   return result;
 }
 
+/// Those of the mesh, and where it has none or one without a direction, from its triangles.
+void complete_normals(TriangleMesh& mesh) {
+  const bool has_all = mesh.normals.size() == mesh.vertices.size();
+  const auto is_bad = [](const Eigen::Vector3f& normal) {
+    return !normal.allFinite() || normal.squaredNorm() < 1e-12F;
+  };
+  if (has_all && std::none_of(mesh.normals.begin(), mesh.normals.end(), is_bad)) return;
+  std::vector<Eigen::Vector3f> computed = vertex_normals(mesh);
+  if (has_all) {
+    for (std::size_t i = 0; i < computed.size(); ++i) {
+      if (!is_bad(mesh.normals[i])) computed[i] = mesh.normals[i];
+    }
+  }
+  mesh.normals = std::move(computed);
+}
+
+/// Vertices at one place become one: triangles that do not know of each other, as in an STL file,
+/// cannot be simplified.
+void weld(TriangleMesh& mesh) {
+  std::vector<unsigned> remap(mesh.vertices.size());
+  const std::vector<unsigned> indices = corner_indices(mesh);
+  const std::size_t num_places = meshopt_generateVertexRemap(remap.data(),
+                                                             indices.data(),
+                                                             indices.size(),
+                                                             mesh.vertices.data(),
+                                                             mesh.vertices.size(),
+                                                             sizeof(Eigen::Vector3f));
+  if (num_places == mesh.vertices.size()) return;
+  TriangleMesh welded;
+  welded.vertices.resize(num_places);
+  for (std::size_t i = 0; i < remap.size(); ++i) {
+    if (remap[i] != ~0U) welded.vertices[remap[i]] = mesh.vertices[i];
+  }
+  for (const auto& [a, b, c] : mesh.triangles) {
+    welded.triangles.push_back({remap[a], remap[b], remap[c]});
+  }
+  welded.normals = vertex_normals(welded);
+  mesh = std::move(welded);
+}
+
+std::vector<unsigned> simplified(const TriangleMesh& mesh, std::size_t max_triangles) {
+  constexpr float kAnyError = 1.0F;  // The number of triangles decides.
+  constexpr std::size_t kStillTooMany = 5;
+  const std::vector<unsigned> indices = corner_indices(mesh);
+  const float* const places = mesh.vertices.front().data();
+  const std::size_t num_places = mesh.vertices.size();
+  constexpr std::size_t kStride = sizeof(Eigen::Vector3f);
+  const std::size_t wanted = max_triangles * 3;
+  std::vector<unsigned> fewer(indices.size());
+  fewer.resize(meshopt_simplify(fewer.data(),
+                                indices.data(),
+                                indices.size(),
+                                places,
+                                num_places,
+                                kStride,
+                                wanted,
+                                kAnyError,
+                                0,
+                                nullptr));
+  if (fewer.size() <= wanted + wanted / kStillTooMany) return fewer;
+  // Loose pieces and edges with three triangles are not touched; a grid's cells take them all.
+  fewer.resize(indices.size());
+  fewer.resize(meshopt_simplifySloppy(fewer.data(),
+                                      indices.data(),
+                                      indices.size(),
+                                      places,
+                                      num_places,
+                                      kStride,
+                                      wanted,
+                                      kAnyError,
+                                      nullptr));
+  return fewer;
+}
+
 }  // namespace
 
 TriangleMesh level_of_detail(const TriangleMesh& mesh, std::size_t max_triangles) {
   TriangleMesh source = mesh;
-  if (source.normals.size() != source.vertices.size()) source.normals = vertex_normals(source);
-  std::vector<unsigned> indices = corner_indices(source);
+  const bool is_too_large = source.triangles.size() > max_triangles;
+  if (is_too_large) weld(source);
+  complete_normals(source);
+  const std::vector<unsigned> indices =
+      is_too_large ? simplified(source, max_triangles) : corner_indices(source);
   if (indices.empty()) return source;
-  if (source.triangles.size() > max_triangles) {
-    constexpr float kAnyError = 1.0F;  // The number of triangles decides.
-    std::vector<unsigned> fewer(indices.size());
-    fewer.resize(meshopt_simplify(fewer.data(),
-                                  indices.data(),
-                                  indices.size(),
-                                  source.vertices.front().data(),
-                                  source.vertices.size(),
-                                  sizeof(Eigen::Vector3f),
-                                  max_triangles * 3,
-                                  kAnyError,
-                                  0,
-                                  nullptr));
-    indices = std::move(fewer);
-  }
   std::vector<unsigned> ordered(indices.size());
   meshopt_optimizeVertexCache(
       ordered.data(), indices.data(), indices.size(), source.vertices.size());

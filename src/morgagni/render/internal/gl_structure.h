@@ -13,7 +13,9 @@
 namespace mor::internal {
 
 /// A surface with fewer triangles and their corners in the order that a device draws fastest.
-/// `normals` are those of the vertices kept.
+/// `normals` are those of the vertices kept; where a vertex has none, they come from its triangles.
+/// Whatever the mesh is like (holes, loose or flat triangles, edges with three), no more than about
+/// a fifth above `max_triangles` is left.
 [[nodiscard]] TriangleMesh level_of_detail(const TriangleMesh& mesh, std::size_t max_triangles);
 
 /// Every edge has a triangle on both sides, so that no inside can be seen.

@@ -17,6 +17,8 @@ constexpr const char* kStructureFragmentText =
 
 /// Triangles drawn a frame by a CPU, all structures together; a GPU gets them all.
 constexpr std::size_t kSoftwareTriangles = 40000;
+/// Of each structure, however many there are beside it: a splinter must not vanish.
+constexpr std::size_t kLeastTriangles = 400;
 /// From here on nothing shines through.
 constexpr float kOpaque = 0.995F;
 
@@ -65,7 +67,9 @@ Layer read_layer(RenderTarget& target, const PixelBox& box, const CameraUniforms
 TriangleMesh fitting(const TriangleMesh& mesh, std::size_t num_triangles, bool is_software) {
   std::size_t max_triangles = mesh.triangles.size();
   if (is_software && num_triangles > kSoftwareTriangles) {
-    max_triangles = max_triangles * kSoftwareTriangles / num_triangles;
+    max_triangles =
+        std::min(max_triangles,
+                 std::max(max_triangles * kSoftwareTriangles / num_triangles, kLeastTriangles));
   }
   return level_of_detail(mesh, max_triangles);
 }

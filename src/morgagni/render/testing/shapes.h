@@ -73,6 +73,32 @@ inline TriangleMesh make_sphere(const Eigen::Vector3d& center, double radius_mm,
   return mesh;
 }
 
+/// Around the origin, each face in `cells` x `cells` squares: lens distortion bends long edges.
+inline TriangleMesh make_cube(double half_mm, int cells) {
+  TriangleMesh mesh;
+  for (int face = 0; face < 6; ++face) {
+    const int axis = face / 2;
+    const double side = face % 2 == 0 ? 1.0 : -1.0;
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (int i = 0; i <= cells; ++i) {
+      for (int j = 0; j <= cells; ++j) {
+        Eigen::Vector3d at;
+        at[axis] = side;
+        at[(axis + 1) % 3] = side * (2.0 * i / cells - 1.0);
+        at[(axis + 2) % 3] = 2.0 * j / cells - 1.0;
+        mesh.vertices.push_back((half_mm * at).cast<float>());
+        mesh.normals.push_back(side * Eigen::Vector3f::Unit(axis));
+        if (i == cells || j == cells) continue;
+        const auto a = first + static_cast<std::uint32_t>(i * (cells + 1) + j);
+        const auto b = a + static_cast<std::uint32_t>(cells + 1);
+        mesh.triangles.push_back({a, b, b + 1});
+        mesh.triangles.push_back({a, b + 1, a + 1});
+      }
+    }
+  }
+  return mesh;
+}
+
 inline void append(TriangleMesh& mesh, const TriangleMesh& other) {
   const auto offset = static_cast<std::uint32_t>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
