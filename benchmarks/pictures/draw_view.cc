@@ -24,7 +24,7 @@
 namespace mor {
 namespace {
 
-constexpr int kRepetitions = 15;
+constexpr int kRepetitions = 5;
 
 template <class T>
 T value_or_exit(Result<T> result) {

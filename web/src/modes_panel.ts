@@ -30,6 +30,7 @@ export class ModesPanel {
     'This case keeps no CT voxels: prepare it again to see slices and volume.');
   private readonly hands: HTMLButtonElement;
   private readonly outlines: HTMLButtonElement;
+  private readonly inverted: HTMLButtonElement;
   private readonly cuts: HTMLButtonElement;
   private readonly plane;
   private readonly preset;
@@ -53,7 +54,7 @@ export class ModesPanel {
     this.level = slider('Level', { min: -1000, max: 1500, step: 10 }, hu,
       (slice_level_hu) => change({ slice_level_hu }));
     this.window = slider('Window', { min: 50, max: 3000, step: 10 }, hu,
-      (slice_window_hu) => change({ slice_window_hu }));
+      (width) => change({ slice_window_hu: this.isInverted() ? -width : width }));
     this.volumeLevel = slider('Level', { min: -1000, max: 1500, step: 10 }, hu,
       (volume_level_hu) => change({ volume_level_hu }));
     this.volumeWindow = slider('Window', { min: 50, max: 3000, step: 10 }, hu,
@@ -62,13 +63,15 @@ export class ModesPanel {
       () => this.send({ hands_in_front: !(this.shown?.hands_in_front ?? true) }));
     this.outlines = toggle('Outline what is hidden',
       () => this.send({ outlines: !(this.shown?.outlines ?? false) }));
+    this.inverted = toggle('Inverted greys', () =>
+      this.send({ slice_window_hu: -(this.shown?.slice_window_hu ?? -400) }));
     this.cuts = toggle('Cut away what is before it',
       () => this.send({ slice_cuts: !(this.shown?.slice_cuts ?? true) }));
     this.sliceControls = h('div', { class: 'slice-controls', hidden: true },
       this.position.element, this.depth.element,
       h('div', { class: 'triple' }, ...SLICE_WINDOWS.map(([word, slice_level_hu, slice_window_hu]) =>
         button(word, undefined, () => change({ slice_level_hu, slice_window_hu })))),
-      this.level.element, this.window.element, this.cuts);
+      this.level.element, this.window.element, this.inverted, this.cuts);
     this.volumeControls = h('div', { class: 'volume-controls', hidden: true },
       this.volumeLevel.element, this.volumeWindow.element);
     this.ct.append(this.plane.element, this.sliceControls, this.preset.element, this.volumeControls);
@@ -96,6 +99,7 @@ export class ModesPanel {
     }
     this.hands.setAttribute('aria-pressed', String(view.hands_in_front));
     this.outlines.setAttribute('aria-pressed', String(view.outlines));
+    this.inverted.setAttribute('aria-pressed', String(this.isInverted()));
     this.cuts.setAttribute('aria-pressed', String(view.slice_cuts));
     this.plane.show(view.slice);
     this.preset.show(view.volume);
@@ -109,6 +113,10 @@ export class ModesPanel {
     this.window.show(Math.abs(view.slice_window_hu));
     this.volumeLevel.show(view.volume_level_hu);
     this.volumeWindow.show(view.volume_window_hu);
+  }
+
+  private isInverted(): boolean {
+    return (this.shown?.slice_window_hu ?? 0) < 0;
   }
 
   /** Shows at once what the server will say a little later. */
