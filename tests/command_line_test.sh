@@ -32,6 +32,8 @@ for command in prepare serve record evaluate doctor; do
 done
 expect 0 "OpenCL (--device of the icp methods)" doctor
 expect 0 '"opencl_devices": [' doctor --json
+expect 0 "Range cameras (--camera)" doctor
+expect 0 '"range_cameras": [' doctor --json
 OCL_ICD_VENDORS="$scratch/none" expect 0 "there is no OpenCL device: install a driver" doctor
 OCL_ICD_VENDORS="$scratch/none" expect 0 '"opencl_devices": []' doctor --json
 expect 0 "morgagni evaluate recording" evaluate recording --help
@@ -63,6 +65,10 @@ expect 1 "no such case folder" evaluate bound --case "$scratch/missing"
 expect 1 "no such case folder" evaluate studies --case "$scratch/missing" --out "$scratch/s"
 expect 2 "--poses" evaluate studies --case "$scratch/missing" --out "$scratch/s" --poses 0
 expect 1 "no such case folder" record --case "$scratch/missing" --out "$scratch/r"
+expect 1 "--case is needed" record --out "$scratch/r.mcap"
+expect 1 "nowhere.mcap" record --camera "mcap:$scratch/nowhere.mcap" --out "$scratch/r.mcap"
+expect 1 "camera 'webcam:' is unknown" record --camera webcam: --out "$scratch/r.mcap"
+expect 2 "--color" record --camera "mcap:$scratch/nowhere.mcap" --out "$scratch/r.mcap" --color gray
 [ ! -e "$scratch/case" ] || { echo "FAILED: a refused preparation left its folder"; failures=$((failures + 1)); }
 
 if [ "$failures" != 0 ]; then exit 1; fi

@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/camera/freenect_camera.h"
+#include "morgagni/camera/usb_cameras.h"
 #include "morgagni/compute/compute_device.h"
 #include "morgagni/core/version.h"
 #include "morgagni/render/overlay_renderer.h"
@@ -22,6 +24,8 @@ struct Findings {
   std::vector<ComputeDevice> opencl_devices;
   std::string opencl_advice;  ///< Where there is no device.
   Result<std::string> opengl_device;
+  std::vector<UsbCamera> cameras;
+  Result<int> num_kinects;  ///< That libfreenect sees.
 };
 
 Result<std::string> find_opengl_device() {
@@ -30,11 +34,31 @@ Result<std::string> find_opengl_device() {
 }
 
 Findings look_around() {
-  Findings findings{list_compute_devices(), {}, find_opengl_device()};
+  Findings findings{list_compute_devices(),
+                    {},
+                    find_opengl_device(),
+                    list_usb_cameras(),
+                    count_freenect_devices(FreenectOptions{}.library)};
   if (const auto chosen = choose_compute_device(findings.opencl_devices, "opencl"); !chosen) {
     findings.opencl_advice = chosen.error().message;
   }
   return findings;
+}
+
+std::string cameras_text(const Findings& findings) {
+  std::string text = "\nRange cameras (--camera)\n";
+  for (const auto& camera : findings.cameras) {
+    text += fmt::format("  {} ({}){}\n",
+                        camera.product,
+                        camera.id,
+                        camera.camera.empty() ? "" : ": --camera " + camera.camera);
+    if (!camera.advice.empty()) text += fmt::format("    {}\n", camera.advice);
+  }
+  if (findings.cameras.empty()) text += "  none is plugged in\n";
+  text += fmt::format("  libfreenect: {}\n",
+                      findings.num_kinects ? fmt::format("{} Kinects", *findings.num_kinects)
+                                           : findings.num_kinects.error().message);
+  return text;
 }
 
 std::string to_text(const Findings& findings) {
@@ -52,7 +76,7 @@ std::string to_text(const Findings& findings) {
   text += fmt::format(
       "\nOpenGL (the live picture)\n  {}\n",
       findings.opengl_device ? *findings.opengl_device : findings.opengl_device.error().message);
-  return text;
+  return text + cameras_text(findings);
 }
 
 std::string to_json(const Findings& findings) {
@@ -65,11 +89,22 @@ std::string to_json(const Findings& findings) {
                        {"memory_bytes", device.memory_bytes},
                        {"double_precision", device.has_double}});
   }
+  auto cameras = nlohmann::ordered_json::array();
+  for (const auto& camera : findings.cameras) {
+    cameras.push_back({{"product", camera.product},
+                       {"usb", camera.id},
+                       {"camera", camera.camera},
+                       {"allowed", camera.is_allowed},
+                       {"advice", camera.advice}});
+  }
   const auto& opengl = findings.opengl_device;
+  const auto& kinects = findings.num_kinects;
   const nlohmann::ordered_json json = {
       {"version", kVersion},
       {"opencl_devices", devices},
-      {"opengl_device", opengl ? nlohmann::ordered_json(*opengl) : nlohmann::ordered_json()}};
+      {"opengl_device", opengl ? nlohmann::ordered_json(*opengl) : nlohmann::ordered_json()},
+      {"range_cameras", cameras},
+      {"kinects", kinects ? nlohmann::ordered_json(*kinects) : nlohmann::ordered_json()}};
   return json.dump(2) + "\n";
 }
 
@@ -78,7 +113,8 @@ std::string to_json(const Findings& findings) {
 void add_doctor_command(CLI::App& app) {
   auto as_json = std::make_shared<bool>(false);
   auto* command = app.add_subcommand(
-      "doctor", "List what this machine offers: OpenCL devices, the OpenGL renderer");
+      "doctor",
+      "List what this machine offers: OpenCL devices, the OpenGL renderer, range cameras");
   command->add_flag("--json", *as_json, "As JSON");
   command->footer(
       "Examples:\n"

@@ -96,6 +96,17 @@ export interface Touched {
   state: TrackingState;
 }
 
+/** Of the recording that goes on, or of the last one. */
+export interface RecordingState {
+  recording: boolean;
+  file: string | null;
+  seconds: number;
+  frames: number;
+  dropped: number;
+  bytes: number;
+  error: string | null;
+}
+
 /** Says what to do next, in the server's words. */
 export class ApiError extends Error {}
 
@@ -135,6 +146,9 @@ export const api = {
   acceptLandmarks: (pairs: LandmarkPair[]) =>
     call<object>('/api/landmarks/accept', { pairs }),
   cancelLandmarks: () => call<object>('/api/landmarks/cancel', {}),
+  getRecording: () => call<RecordingState>('/api/recording'),
+  startRecording: () => call<RecordingState>('/api/recording/start', {}),
+  stopRecording: () => call<RecordingState>('/api/recording/stop', {}),
 };
 
 export function skinViewUrl(viewpoint: SkinViewpoint): string {

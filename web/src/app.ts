@@ -9,6 +9,7 @@ import { LandmarkPanel } from './landmark_panel';
 import { LiveVideo } from './live_video';
 import { ModesPanel } from './modes_panel';
 import { PlacementPanel } from './placement_panel';
+import { RecordingPanel } from './recording_panel';
 import { Stage } from './stage';
 import { StatusPanel } from './status_panel';
 import { adviceOf, bannerOf, snapshotName, touchLines } from './status_text';
@@ -78,6 +79,7 @@ export class App {
       this.toast.element);
     this.tabs.add('look', this.controls.element);
     this.tabs.add('look', this.modes.element);
+    this.tabs.add('take-away', new RecordingPanel(this.toast).element);
     const self = this;
     this.inspection = {
       live: this.live,

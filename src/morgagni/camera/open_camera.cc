@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/camera/freenect_camera.h"
 #include "morgagni/camera/internal/key_values.h"
 #include "morgagni/camera/mcap_recording.h"
 #include "morgagni/camera/range_camera.h"
 #include "morgagni/camera/simulated_camera.h"
 #include "morgagni/camera/tum_recording.h"
+#include "morgagni/camera/watched_camera.h"
 
 namespace mor {
 namespace {
@@ -57,6 +59,10 @@ Result<std::unique_ptr<RangeCamera>> open_camera(const std::string& name,
   const std::string_view kind = std::string_view(name).substr(0, colon);
   const std::string_view rest =
       colon == std::string::npos ? std::string_view() : std::string_view(name).substr(colon + 1);
+  if (colon != std::string::npos && kind == "freenect") {
+    MOR_TRY(const auto options, FreenectOptions::parse(rest));
+    return watch_camera([options] { return open_freenect(options); });
+  }
   if (colon != std::string::npos && kind == "tum") return open_recording<TumRecording>(kind, rest);
   if (colon != std::string::npos && kind == "mcap") {
     return open_recording<McapRecording>(kind, rest);
@@ -66,11 +72,10 @@ Result<std::unique_ptr<RangeCamera>> open_camera(const std::string& name,
     MOR_TRY(auto camera, SimulatedCamera::create(std::move(skin), options));
     return std::unique_ptr<RangeCamera>(std::move(camera));
   }
-  return make_error(
-      ErrorCode::kInvalidArgument,
-      fmt::format(
-          "camera '{}' is unknown, there are simulated:[key=value,...], mcap:FILE and tum:DIR",
-          name));
+  return make_error(ErrorCode::kInvalidArgument,
+                    fmt::format("camera '{}' is unknown, there are freenect:, mcap:FILE, "
+                                "simulated:[key=value,...] and tum:DIR",
+                                name));
 }
 
 }  // namespace mor

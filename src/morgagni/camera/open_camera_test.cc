@@ -19,7 +19,10 @@ std::string error_of(const std::string& name) {
 TEST(OpenCamera, NamesTheKindsThatThereAre) {
   for (const char* name : {"", "kinect", "kinect:0", "simulated", "tum", ":", "TUM:x"}) {
     EXPECT_THAT(error_of(name),
-                AllOf(HasSubstr("simulated:"), HasSubstr("mcap:FILE"), HasSubstr("tum:DIR")))
+                AllOf(HasSubstr("freenect:"),
+                      HasSubstr("simulated:"),
+                      HasSubstr("mcap:FILE"),
+                      HasSubstr("tum:DIR")))
         << name;
   }
 }
@@ -27,6 +30,8 @@ TEST(OpenCamera, NamesTheKindsThatThereAre) {
 TEST(OpenCamera, PassesOnWhatIsWrongWithTheOptions) {
   EXPECT_THAT(error_of("simulated:path=up"), HasSubstr("orbit"));
   EXPECT_THAT(error_of("simulated:"), HasSubstr("skin"));
+  EXPECT_THAT(error_of("freenect:index=99"), HasSubstr("[0, 15]"));
+  EXPECT_THAT(error_of("freenect:calibration=/nowhere.json,mode=1"), HasSubstr("'mode'"));
   EXPECT_THAT(error_of("tum:"), HasSubstr("needs a folder"));
   EXPECT_THAT(error_of("tum:/nowhere"), HasSubstr("/nowhere"));
   EXPECT_THAT(error_of("tum:/nowhere,loop=2"), HasSubstr("loop must be one of 0, 1"));

@@ -12,6 +12,7 @@
 #include "morgagni/session/api_json.h"
 #include "morgagni/session/findings_routes.h"
 #include "morgagni/session/live_api.h"
+#include "morgagni/session/recording_routes.h"
 
 namespace mor {
 namespace {
@@ -84,6 +85,7 @@ Result<std::unique_ptr<LiveSession>> LiveSession::start(Case body,
   std::vector<HttpRoute> routes = api::joined({
       make_live_routes(shared_body, loop, options.loop.placement),
       make_findings_routes(desk),
+      make_recording_routes(*shared_body, *loop, options.camera_name),
   });
   MOR_TRY(auto server, LiveServer::start(options.server, std::move(routes)));
   MOR_CHECK(
