@@ -201,6 +201,17 @@ TEST_F(AutomaticStartOfTestBody, TakesNoPlaneForATableThatGravityForbids) {
   EXPECT_NE(sideways->status, AutomaticStartStatus::kFound);
 }
 
+TEST_F(AutomaticStartOfTestBody, NeedsNoTableInThePictureWhereGravityIsKnown) {
+  const auto truth = looking_at(center(), 0.7, 0.5, 1.0, 800.0);
+  const Picture picture = picture_of(body_->mesh, truth);
+  const Eigen::Vector3d down = truth.linear().transpose() * Eigen::Vector3d::UnitY();
+  const auto result = starter({.gravity = down}).find(picture.view());
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->status, AutomaticStartStatus::kFound) << result->reason;
+  EXPECT_LT(displacement_mm(result->ct_from_depth, truth, truth.inverse() * center()), 3.0);
+  EXPECT_LT(rotation_angle_rad(result->ct_from_depth * truth.inverse()), 0.05);
+}
+
 TEST(AutomaticStart, FindsASphereAmbiguous) {
   auto ball = std::make_shared<FixedSurface>();
   ball->mesh = internal::bumpy_body(60, Eigen::Vector3f::Zero());

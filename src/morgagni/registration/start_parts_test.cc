@@ -71,8 +71,21 @@ TEST(StartPlanes, AreLevelWhereGravityIsKnown) {
   expect_among(planes, kTable);
 }
 
+TEST(StartPlanes, AreSupposedBelowTheHighestThingsSeen) {
+  const float top_mm = kTable.offset_mm;
+  const auto planes = suppose_planes(picture_of({kTable}), kUp, 200.0F, 20.0F);
+  ASSERT_FALSE(planes.empty());
+  EXPECT_NEAR(planes.front().offset_mm, top_mm - 60.0F, 5.0F);
+  EXPECT_NEAR(planes.back().offset_mm, top_mm - 240.0F, 5.0F);
+  for (const auto& plane : planes) {
+    EXPECT_TRUE(plane.is_supposed);
+    EXPECT_EQ(plane.normal, kUp);
+  }
+}
+
 TEST(StartPlanes, AreNoneOfAnEmptyPicture) {
   const StartPicture empty{kCamera, Image<float>(kCamera.width_px, kCamera.height_px)};
+  EXPECT_TRUE(suppose_planes(empty, kUp, 200.0F, 20.0F).empty());
   EXPECT_TRUE(find_planes(empty, std::nullopt).empty());
 }
 

@@ -33,6 +33,7 @@ constexpr double kNearbyShift = 0.04;  ///< Of the extent.
 constexpr double kNearbyTurnRad = 0.1;
 /// A finding that passes by so much is right: other planes need no look.
 constexpr double kSettledMargin = 0.3;
+constexpr float kMostBelowTable = 0.05F;  ///< Of the readings.
 constexpr std::size_t kLeastPoints = 60;
 
 /// How far two poses put the body apart: the largest distance of the corners of its bounds.
@@ -146,6 +147,11 @@ void StartFinder::refine(const StartPicture& picture,
     const auto distance_mm = static_cast<float>((pose.inverse() * bounds_.center()).z());
     const float noise_mm = axial_noise_mm(distance_mm);
     const Eigen::Vector3d up_ct = pose.linear() * scene.plane.normal.cast<double>();
+    if (scene.plane.is_supposed) {
+      // Its height is off by up to half the step between supposed planes.
+      const auto near = fine_.align(scene.full, pose, StartQuality::kRough);
+      if (near) pose = near->fixed_from_moving;
+    }
     pose = refine_on_plane(fixed_->field,
                            scene.full,
                            pose,
@@ -293,24 +299,52 @@ AutomaticStartResult StartFinder::decide(const StartPicture& picture,
   return result;
 }
 
+/// Where the table may be, if gravity is known and nothing level is seen at such heights.
+std::vector<StartPlane> StartFinder::tables_not_seen(const StartPicture& picture,
+                                                     const std::vector<StartPlane>& planes) const {
+  if (!options_.gravity) return {};
+  const auto supposed = suppose_planes(picture,
+                                       -options_.gravity->normalized().cast<float>(),
+                                       height_mm_,
+                                       2.0F * lyings_[0].coarse.spacing_mm);
+  if (supposed.empty()) return {};
+  const bool is_seen = std::any_of(planes.begin(), planes.end(), [&](const StartPlane& plane) {
+    // Below a flat part of a body there is more of it.
+    return share_below(picture, plane, height_mm_) < kMostBelowTable &&
+           plane.offset_mm <= supposed.front().offset_mm &&
+           plane.offset_mm >= supposed.back().offset_mm;
+  });
+  return is_seen ? std::vector<StartPlane>() : supposed;
+}
+
+/// Adds what is found on these planes to the findings; stops at what is beyond doubt.
+Result<void> StartFinder::find_on_each(const StartPicture& picture,
+                                       const std::vector<StartPlane>& seen_planes,
+                                       const std::vector<StartPlane>& planes,
+                                       const SearchEffort& effort,
+                                       std::vector<StartFinding>& findings,
+                                       const std::stop_token& stop) const {
+  for (const auto& plane : planes) {
+    const auto scene =
+        std::make_shared<const StartScene>(make_scene(picture, plane, height_mm_, extent_mm_));
+    MOR_TRY(const auto found, find_on(picture, seen_planes, scene, effort, stop));
+    findings.insert(findings.end(), found.begin(), found.end());
+    keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
+    if (settles(findings)) break;
+  }
+  return {};
+}
+
 Result<std::vector<StartFinding>> StartFinder::find_all(const StartPicture& picture,
                                                         const std::vector<StartPlane>& planes,
                                                         const std::stop_token& stop) const {
-  std::vector<std::shared_ptr<const StartScene>> scenes(planes.size());
   std::vector<StartFinding> findings;
-  for (const auto& effort : {kFirstEffort, kSecondEffort}) {
-    for (std::size_t i = 0; i < planes.size(); ++i) {
-      if (!scenes[i]) {
-        scenes[i] = std::make_shared<const StartScene>(
-            make_scene(picture, planes[i], height_mm_, extent_mm_));
-      }
-      MOR_TRY(const auto found, find_on(picture, planes, scenes[i], effort, stop));
-      findings.insert(findings.end(), found.begin(), found.end());
-      keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
-      if (settles(findings)) return findings;
-    }
-    if (passes(findings)) break;
-  }
+  MOR_CHECK(find_on_each(picture, planes, planes, kFirstEffort, findings, stop));
+  if (passes(findings)) return findings;
+  MOR_CHECK(find_on_each(
+      picture, planes, tables_not_seen(picture, planes), kFirstEffort, findings, stop));
+  if (passes(findings)) return findings;
+  MOR_CHECK(find_on_each(picture, planes, planes, kSecondEffort, findings, stop));
   return findings;
 }
 

@@ -71,6 +71,14 @@ class StartFinder {
       const std::shared_ptr<const StartScene>& scene,
       const SearchEffort& effort,
       const std::stop_token& stop) const;
+  [[nodiscard]] std::vector<StartPlane> tables_not_seen(
+      const StartPicture& picture, const std::vector<StartPlane>& planes) const;
+  [[nodiscard]] Result<void> find_on_each(const StartPicture& picture,
+                                          const std::vector<StartPlane>& seen_planes,
+                                          const std::vector<StartPlane>& planes,
+                                          const SearchEffort& effort,
+                                          std::vector<StartFinding>& findings,
+                                          const std::stop_token& stop) const;
   [[nodiscard]] std::vector<StartFinding> search(const StartPicture& picture,
                                                  const StartScene& scene,
                                                  const Lying& lying,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <Eigen/Eigenvalues>
 
@@ -19,6 +20,12 @@ constexpr std::size_t kMaxTrials = 240;  ///< Samples whose own plane is tried.
 constexpr float kNormalRadiusMm = 25.0F;
 constexpr float kLevelCosine = 0.97F;  ///< A plane within 14 degrees of level may be a table.
 constexpr float kAlikeCosine = 0.9F;   ///< Between the normals of a plane and of a point on it.
+/// So much of its height a body shows at least and, with a table found too low, at most.
+constexpr float kLeastShown = 0.3F;
+constexpr float kMostShown = 1.2F;
+constexpr float kLeastBelowMm = 10.0F;
+constexpr std::size_t kMaxSupposed = 24;
+constexpr std::size_t kHighest = 50;  ///< One reading in so many may be higher than the body.
 
 struct Sample {
   Eigen::Vector3f point;
@@ -105,6 +112,45 @@ std::vector<StartPlane> find_planes(const StartPicture& picture,
   std::stable_sort(planes.begin(), planes.end(), [](const StartPlane& a, const StartPlane& b) {
     return a.share > b.share;
   });
+  return planes;
+}
+
+float share_below(const StartPicture& picture, const StartPlane& plane, float reach_mm) {
+  int num_readings = 0;
+  int num_below = 0;
+  for (int y = 0; y < picture.z_mm.height(); ++y) {
+    for (int x = 0; x < picture.z_mm.width(); ++x) {
+      if (picture.z_mm(x, y) <= 0.0F) continue;
+      ++num_readings;
+      const float below_mm = -plane.height_mm(picture.point(x, y));
+      const float least_mm = kLeastBelowMm + 3.0F * axial_noise_mm(picture.z_mm(x, y));
+      if (below_mm > least_mm && below_mm < reach_mm) ++num_below;
+    }
+  }
+  return num_readings == 0 ? 0.0F
+                           : static_cast<float>(num_below) / static_cast<float>(num_readings);
+}
+
+std::vector<StartPlane> suppose_planes(const StartPicture& picture,
+                                       const Eigen::Vector3f& up,
+                                       float body_height_mm,
+                                       float step_mm) {
+  std::vector<float> heights_mm;
+  const int step_px = std::max(1, picture.z_mm.width() / kNumSamplesWide);
+  for (int y = step_px / 2; y < picture.z_mm.height(); y += step_px) {
+    for (int x = step_px / 2; x < picture.z_mm.width(); x += step_px) {
+      if (picture.z_mm(x, y) > 0.0F) heights_mm.push_back(up.dot(picture.point(x, y)));
+    }
+  }
+  if (heights_mm.empty()) return {};
+  const auto high = heights_mm.begin() + static_cast<std::ptrdiff_t>(heights_mm.size() / kHighest);
+  std::nth_element(heights_mm.begin(), high, heights_mm.end(), std::greater<>());
+  std::vector<StartPlane> planes;
+  for (float shown_mm = kLeastShown * body_height_mm;
+       shown_mm <= kMostShown * body_height_mm && planes.size() < kMaxSupposed;
+       shown_mm += step_mm) {
+    planes.push_back({up, *high - shown_mm, 0.0F, true});
+  }
   return planes;
 }
 
