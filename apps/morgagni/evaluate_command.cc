@@ -14,6 +14,7 @@ void add_evaluate_command(CLI::App& app) {
   add_evaluate_recording_command(*command);
   add_evaluate_starts_command(*command);
   add_evaluate_studies_command(*command);
+  add_evaluate_texture_command(*command);
 }
 
 }  // namespace mor

@@ -107,6 +107,21 @@ export interface RecordingState {
   error: string | null;
 }
 
+export interface TextureInfo {
+  ready: boolean;
+  recording: boolean;
+  /** Of the skin that could be seen, 0..1. */
+  coverage: number;
+  frames: number;
+  /** What became of the newest picture. */
+  last: string | null;
+  /** Grows when the texture's pictures change; 0: there is none yet. */
+  version: number;
+  saving: boolean;
+  saved: boolean;
+  problem: string | null;
+}
+
 /** Says what to do next, in the server's words. */
 export class ApiError extends Error {}
 
@@ -149,6 +164,10 @@ export const api = {
   getRecording: () => call<RecordingState>('/api/recording'),
   startRecording: () => call<RecordingState>('/api/recording/start', {}),
   stopRecording: () => call<RecordingState>('/api/recording/stop', {}),
+  getTexture: () => call<TextureInfo>('/api/texture'),
+  recordTexture: (recording: boolean) => call<object>('/api/texture/record', { recording }),
+  clearTexture: () => call<object>('/api/texture/clear', {}),
+  saveTexture: () => call<object>('/api/texture/save', {}),
 };
 
 export function skinViewUrl(viewpoint: SkinViewpoint): string {
@@ -156,6 +175,10 @@ export function skinViewUrl(viewpoint: SkinViewpoint): string {
     Object.entries(viewpoint).map(([name, value]): [string, string] => [name, String(value)]),
   );
   return `/api/skin-view.png?${query}`;
+}
+
+export function textureSidesUrl(version: number): string {
+  return `/api/texture/sides.png?version=${version}`;
 }
 
 /** The newest status, again and again; `undefined` while the server is gone. */

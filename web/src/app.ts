@@ -15,6 +15,7 @@ import { StatusPanel } from './status_panel';
 import { adviceOf, bannerOf, snapshotName, touchLines } from './status_text';
 import { Tabs } from './tabs';
 import { ViewSender } from './view_sender';
+import { TexturePanel } from './texture_panel';
 import { Toast } from './widgets';
 
 type Mode = 'live' | 'placement' | 'landmarks';
@@ -45,6 +46,7 @@ export class App {
   private readonly placement = new PlacementPanel(() => this.closePlacement(), this.toast);
   private readonly landmarks = new LandmarkPanel(this.stage, this.toast, () => this.setMode('live'));
   private readonly modes = new ModesPanel((change) => this.changeView(change));
+  private readonly texture = new TexturePanel(this.toast);
   private readonly controls = new Controls({
     startAutomatically: () => void api.startAutomatically().catch(this.toast.sayError),
     startByPlacement: () => {
@@ -80,6 +82,7 @@ export class App {
     this.tabs.add('look', this.controls.element);
     this.tabs.add('look', this.modes.element);
     this.tabs.add('take-away', new RecordingPanel(this.toast).element);
+    this.tabs.add('surface', this.texture.element);
     const self = this;
     this.inspection = {
       live: this.live,

@@ -13,5 +13,6 @@ void add_evaluate_bound_command(CLI::App& evaluate_app);
 void add_evaluate_recording_command(CLI::App& evaluate_app);
 void add_evaluate_starts_command(CLI::App& evaluate_app);
 void add_evaluate_studies_command(CLI::App& evaluate_app);
+void add_evaluate_texture_command(CLI::App& evaluate_app);
 
 }  // namespace mor

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "morgagni/camera/internal/depth_bias.h"
+#include "morgagni/camera/internal/exposure.h"
 #include "morgagni/camera/internal/hand_path.h"
 #include "morgagni/camera/internal/kinect_noise.h"
 #include "morgagni/camera/internal/scene/clutter.h"
@@ -90,7 +91,7 @@ struct SimulatedCamera::Impl {
              chosen.path,
              chosen.seed),
         views(skin, chosen.distance_mm, chosen.seed),
-        scene(*skin, camera, chosen.seed),
+        scene(*skin, camera, chosen.seed, chosen.skin == SimulatedSkin::kMarked),
         noise(camera.focal_x_px, chosen.seed) {
     if (chosen.bias_mm > 0.0) {
       bias.emplace(chosen.width_px, chosen.height_px, chosen.bias_mm, chosen.seed);
@@ -156,6 +157,10 @@ std::shared_ptr<RgbdFrame> SimulatedCamera::draw(std::uint64_t frame_id) const {
   frame->frame_id = frame_id;
   frame->calibration = impl_->calibration;
   frame->color = std::move(picture.color);
+  internal::expose(
+      frame->color,
+      internal::exposure_gains(
+          impl_->options.exposure_swing, impl_->options.seed, frame_id, impl_->time_s(frame_id)));
   if (impl_->options.has_noise) {
     frame->depth_mm = impl_->noise.apply(picture.depth, frame_id);
     add_grain(frame->color, impl_->options.seed, frame_id);

@@ -18,6 +18,7 @@ enum class SimulatedPath : std::uint8_t {
   kSway,   ///< A hand that tries to hold still.
   kStill,  ///< A tripod.
   kViews,  ///< No path: each frame from a random place of its own (internal/view_places.h).
+  kPass,   ///< A hand that documents: around the body from one side to the other, in 100 s or so.
 };
 
 /// What the camera sees and the CT does not have, in depth and colour. Made anew for every frame of
@@ -30,6 +31,12 @@ enum class SimulatedClutter : std::uint8_t {
   kAll,
 };
 
+/// How the skin is painted.
+enum class SimulatedSkin : std::uint8_t {
+  kPlain,   ///< Soft patches and grain: nothing that a picture could be found out of place by.
+  kMarked,  ///< With freckles, fine lines and bruises, which hold still as a body's do.
+};
+
 /// What `simulated:key=value,...` sets; the keys stand in brackets.
 struct SimulatedCameraOptions {
   std::uint64_t seed = 1;      ///< [seed] Path, noise and looks. The same seed, the same frames.
@@ -40,15 +47,19 @@ struct SimulatedCameraOptions {
       std::nullopt;  ///< [distance] To the body's foremost point at the start,
                      ///< 400..1500; by default far enough for the body to fit. With path=views
                      ///< to the skin looked at, by default 500..1200 at random.
-  SimulatedPath path = SimulatedPath::kOrbit;  ///< [path] orbit | sway | still | views.
+  SimulatedPath path = SimulatedPath::kOrbit;  ///< [path] orbit | sway | still | views | pass.
   SimulatedClutter clutter =
       SimulatedClutter::kNone;  ///< [clutter] none | hand | towel | parts | all.
   double bias_mm = 0.0;  ///< [bias] 0..20: systematic depth error, root mean square at 800 mm, of a
                          ///< smooth seeded shape (internal/depth_bias.h). 0: none.
   double focal_error_percent = 0.0;  ///< [focal] -5..5: the calibration says so much too long.
-  bool has_noise = true;             ///< [noise] 0 | 1: Kinect v1 depth noise and grain in colour.
-  std::uint64_t num_frames = 0;      ///< [frames] The camera ends after so many; 0: never.
-  bool is_real_time = true;  ///< [speed] real | full: paced by the clock, or as fast as asked.
+  /// [exposure] 0..0.6: automatic exposure and white balance at work: brightness and colours swing
+  /// by up to this share, jump now and then and flicker with the lamps.
+  double exposure_swing = 0.0;
+  SimulatedSkin skin = SimulatedSkin::kPlain;  ///< [skin] plain | marked.
+  bool has_noise = true;         ///< [noise] 0 | 1: Kinect v1 depth noise and grain in colour.
+  std::uint64_t num_frames = 0;  ///< [frames] The camera ends after so many; 0: never.
+  bool is_real_time = true;      ///< [speed] real | full: paced by the clock, or as fast as asked.
 
   [[nodiscard]] static Result<SimulatedCameraOptions> parse(std::string_view text);
   /// @errors kInvalidArgument: a value outside its limits.

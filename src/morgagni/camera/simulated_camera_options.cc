@@ -15,6 +15,7 @@ using internal::KeyValue;
 constexpr std::uint64_t kMaxFrames = 1'000'000'000;
 constexpr double kMaxBiasMm = 20.0;
 constexpr double kMaxFocalErrorPercent = 5.0;
+constexpr double kMaxExposureSwing = 0.6;
 
 /// The picture, its pace and the camera's way.
 Result<bool> set_camera(const KeyValue& pair, SimulatedCameraOptions& options) {
@@ -31,7 +32,8 @@ Result<bool> set_camera(const KeyValue& pair, SimulatedCameraOptions& options) {
   } else if (pair.key == "distance") {
     MOR_TRY(options.distance_mm, internal::parse_number(pair, 400.0, 1500.0));
   } else if (pair.key == "path") {
-    MOR_TRY(const auto choice, internal::parse_choice(pair, {"orbit", "sway", "still", "views"}));
+    MOR_TRY(const auto choice,
+            internal::parse_choice(pair, {"orbit", "sway", "still", "views", "pass"}));
     options.path = static_cast<SimulatedPath>(choice);
   } else if (pair.key == "frames") {
     MOR_TRY(options.num_frames, internal::parse_count(pair, 0, kMaxFrames));
@@ -55,6 +57,11 @@ Result<bool> set_trouble(const KeyValue& pair, SimulatedCameraOptions& options) 
   } else if (pair.key == "focal") {
     MOR_TRY(options.focal_error_percent,
             internal::parse_number(pair, -kMaxFocalErrorPercent, kMaxFocalErrorPercent));
+  } else if (pair.key == "exposure") {
+    MOR_TRY(options.exposure_swing, internal::parse_number(pair, 0.0, kMaxExposureSwing));
+  } else if (pair.key == "skin") {
+    MOR_TRY(const auto choice, internal::parse_choice(pair, {"plain", "marked"}));
+    options.skin = static_cast<SimulatedSkin>(choice);
   } else if (pair.key == "noise") {
     MOR_TRY(const auto choice, internal::parse_choice(pair, {"0", "1"}));
     options.has_noise = choice == 1;
@@ -90,6 +97,8 @@ Result<SimulatedCameraOptions> SimulatedCameraOptions::parse(std::string_view te
                                   "clutter",
                                   "bias",
                                   "focal",
+                                  "exposure",
+                                  "skin",
                                   "noise",
                                   "frames",
                                   "speed"});
@@ -107,6 +116,9 @@ Result<void> SimulatedCameraOptions::check() const {
   if (!(bias_mm >= 0.0 && bias_mm <= kMaxBiasMm)) return outside("bias", bias_mm, 0, kMaxBiasMm);
   if (!(std::abs(focal_error_percent) <= kMaxFocalErrorPercent)) {
     return outside("focal", focal_error_percent, -kMaxFocalErrorPercent, kMaxFocalErrorPercent);
+  }
+  if (!(exposure_swing >= 0.0 && exposure_swing <= kMaxExposureSwing)) {
+    return outside("exposure", exposure_swing, 0, kMaxExposureSwing);
   }
   return {};
 }

@@ -48,7 +48,7 @@ std::unique_ptr<SimulatedCamera> open(const SimulatedCameraOptions& options) {
 TEST(SimulatedCameraOptions, ReadEveryKey) {
   const auto options = SimulatedCameraOptions::parse(
       "seed=7,width=320,height=240,fps=15,distance=650,path=sway,clutter=towel,bias=2.5,focal=-1,"
-      "noise=0,frames=9,speed=full");
+      "noise=0,frames=9,speed=full,exposure=0.3,skin=marked");
   ASSERT_TRUE(options) << options.error().message;
   EXPECT_EQ(options->seed, 7U);
   EXPECT_EQ(options->width_px, 320);
@@ -62,6 +62,8 @@ TEST(SimulatedCameraOptions, ReadEveryKey) {
   EXPECT_FALSE(options->has_noise);
   EXPECT_EQ(options->num_frames, 9U);
   EXPECT_FALSE(options->is_real_time);
+  EXPECT_EQ(options->exposure_swing, 0.3);
+  EXPECT_EQ(options->skin, SimulatedSkin::kMarked);
   EXPECT_TRUE(SimulatedCameraOptions::parse(""));
 }
 
@@ -79,12 +81,13 @@ TEST(SimulatedCameraOptions, NameTheBadKeyOrValueAndWhatIsAllowed) {
   EXPECT_THAT(error_of("fps=nan"), HasSubstr("fps must be in"));
   EXPECT_THAT(error_of("fps=0"), HasSubstr("fps must be in"));
   EXPECT_THAT(error_of("distance=60 cm"), HasSubstr("distance must be in"));
-  EXPECT_THAT(error_of("path=spiral"), HasSubstr("one of orbit, sway, still, views, got 'spiral'"));
+  EXPECT_THAT(error_of("path=spiral"), HasSubstr("one of orbit, sway, still, views, pass, got 'spiral'"));
   EXPECT_THAT(error_of("clutter=cat"),
               HasSubstr("one of none, hand, towel, parts, all, got 'cat'"));
   EXPECT_THAT(error_of("bias=-1"), HasSubstr("bias must be in [0, 20], got '-1'"));
   EXPECT_THAT(error_of("bias=inf"), HasSubstr("bias must be in"));
   EXPECT_THAT(error_of("focal=6"), HasSubstr("focal must be in [-5, 5], got '6'"));
+  EXPECT_THAT(error_of("exposure=1"), HasSubstr("exposure must be in [0, 0.6], got '1'"));
   EXPECT_THAT(error_of("noise=yes"), HasSubstr("noise must be one of 0, 1"));
   EXPECT_THAT(error_of("speed=fast"), HasSubstr("real, full"));
 }

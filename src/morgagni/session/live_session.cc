@@ -13,6 +13,7 @@
 #include "morgagni/session/findings_routes.h"
 #include "morgagni/session/live_api.h"
 #include "morgagni/session/recording_routes.h"
+#include "morgagni/session/texture_routes.h"
 
 namespace mor {
 namespace {
@@ -81,11 +82,14 @@ Result<std::unique_ptr<LiveSession>> LiveSession::start(Case body,
           LiveLoop::create(shared_body, std::move(camera), options.loop));
   const auto desk = std::make_shared<FindingsDesk>(shared_body, loop);
   loop->mark([desk = desk.get()](const ShownPicture& shown) { return desk->marks(shown); });
+  const auto texture = std::make_shared<TextureRecorder>(shared_body);
+  loop->observe([texture](const TrackedFrame& tracked) { texture->look(tracked); });
   // Each topic has its routes in a file of its own and joins the others with one line.
   std::vector<HttpRoute> routes = api::joined({
       make_live_routes(shared_body, loop, options.loop.placement),
       make_findings_routes(desk),
       make_recording_routes(*shared_body, *loop, options.camera_name),
+      make_texture_routes(texture),
   });
   MOR_TRY(auto server, LiveServer::start(options.server, std::move(routes)));
   MOR_CHECK(

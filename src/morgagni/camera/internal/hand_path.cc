@@ -15,6 +15,7 @@ constexpr double kTurnRad = 2.0 * std::numbers::pi;
 constexpr double kDegree = std::numbers::pi / 180.0;
 /// The hand comes to its full swing in this time.
 constexpr double kRampS = 12.0;
+constexpr double kPassRampS = 50.0;
 
 enum MotionIndex : std::size_t { kAround, kAlong, kDistance, kPan, kTilt, kRoll, kShift };
 
@@ -38,6 +39,14 @@ constexpr std::array<Swing, 7> kSwaySwings = {{{2.0 * kDegree, 9.0},
                                                {1.0 * kDegree, 7.5},
                                                {1.0 * kDegree, 9.0},
                                                {5.0, 5.0}}};
+/// All around what lies upwards, slower: the way is long.
+constexpr std::array<Swing, 7> kPassSwings = {{{70.0 * kDegree, 100.0},
+                                               {16.0 * kDegree, 37.0},
+                                               {35.0, 23.0},
+                                               {2.0 * kDegree, 12.0},
+                                               {2.0 * kDegree, 14.5},
+                                               {4.0 * kDegree, 19.0},
+                                               {12.0, 11.0}}};
 /// How far from straight in front the path begins: a user aims by eye.
 constexpr std::array<double, 7> kStartReach = {
     2.5 * kDegree, 2.5 * kDegree, 15.0, 1.0 * kDegree, 1.0 * kDegree, 2.0 * kDegree, 8.0};
@@ -56,7 +65,9 @@ HandPath::HandPath(const Eigen::AlignedBox3f& bounds,
     : path_(path),
       target_(bounds.center().cast<double>()),
       target_distance_mm_(distance_mm + 0.5 * static_cast<double>(bounds.sizes().y())) {
-  const auto& swings = path == SimulatedPath::kOrbit ? kOrbitSwings : kSwaySwings;
+  const auto& swings = path == SimulatedPath::kPass    ? kPassSwings
+                       : path == SimulatedPath::kOrbit ? kOrbitSwings
+                                                       : kSwaySwings;
   for (std::size_t i = 0; i < kNumMotions; ++i) {
     // Periods differ by seed too, or every run would swing in the same rhythm.
     const double stretch = 1.0 + 0.2 * to_unit(scramble(seed + 1000 + i));
@@ -73,7 +84,8 @@ HandPath::HandPath(const Eigen::AlignedBox3f& bounds,
 double HandPath::value(std::size_t motion, double time_s) const {
   if (path_ == SimulatedPath::kStill) return start_[motion];
   const auto& [amplitude, period_s, phase_rad] = motions_[motion];
-  return start_[motion] + smooth_step(time_s / kRampS) * amplitude *
+  const double ramp_s = path_ == SimulatedPath::kPass ? kPassRampS : kRampS;
+  return start_[motion] + smooth_step(time_s / ramp_s) * amplitude *
                               std::sin(kTurnRad * time_s / period_s + phase_rad);
 }
 

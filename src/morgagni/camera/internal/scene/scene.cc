@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "morgagni/camera/internal/scene/skin_marks.h"
 #include "morgagni/geometry/depth_raster.h"
 
 namespace mor::internal {
@@ -63,8 +64,13 @@ float power(float base, int exponent) {
 
 }  // namespace
 
-Scene::Scene(const TriangleMesh& skin, const PinholeCamera& camera, std::uint64_t seed)
+Scene::Scene(const TriangleMesh& skin,
+             const PinholeCamera& camera,
+             std::uint64_t seed,
+             bool is_marked)
     : camera_(camera),
+      seed_(seed),
+      is_marked_(is_marked),
       table_(skin, seed),
       skin_(painted_as_skin(skin, seed)),
       pores_(make_pores(seed)),
@@ -144,11 +150,14 @@ void Scene::draw_pixel(
   const float u = std::clamp((px * cy - py * cx) * inverse_area, 0.0F, 1.0F);
   const float v = std::clamp((bx * py - by * px) * inverse_area, 0.0F, 1.0F - u);
   const float w = 1.0F - u - v;
-  const float pore = pores_[pore_at(at_ct)];
+  Vector3f light = Vector3f::Constant(pores_[pore_at(at_ct)]);
+  if (is_marked_ && seen.mesh == &skin_.mesh) {
+    light = light.cwiseProduct(skin_mark_at(at_ct, seed_));
+  }
   picture.depth.facing(x, y) = to_facing(w * a.facing + u * b.facing + v * c.facing);
-  picture.color(x, y) = {to_byte(pore * (w * a.r + u * b.r + v * c.r)),
-                         to_byte(pore * (w * a.g + u * b.g + v * c.g)),
-                         to_byte(pore * (w * a.b + u * b.b + v * c.b))};
+  picture.color(x, y) = {to_byte(light.x() * (w * a.r + u * b.r + v * c.r)),
+                         to_byte(light.y() * (w * a.g + u * b.g + v * c.g)),
+                         to_byte(light.z() * (w * a.b + u * b.b + v * c.b))};
 }
 
 /// Whole rows at once, in vector instructions.

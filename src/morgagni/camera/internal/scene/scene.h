@@ -28,7 +28,8 @@ struct ScenePicture {
 class Scene {
  public:
   /// @param camera  Without lens distortion.
-  Scene(const TriangleMesh& skin, const PinholeCamera& camera, std::uint64_t seed);
+  /// @param is_marked  The skin has marks (skin_marks.h).
+  Scene(const TriangleMesh& skin, const PinholeCamera& camera, std::uint64_t seed, bool is_marked);
 
   /// @param things  Beside the body and the table; may be empty.
   /// @threads Safe to call from many at once.
@@ -91,6 +92,8 @@ class Scene {
   void soften_outline(const Image<std::uint8_t>& surface, Image<Rgb8>& color) const;
 
   PinholeCamera camera_;
+  std::uint64_t seed_;
+  bool is_marked_;
   Table table_;
   PaintedMesh skin_;
   std::vector<float> pores_;  ///< A cube of kPoreSide^3 brightness factors.
