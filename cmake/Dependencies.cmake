@@ -20,6 +20,10 @@ pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(SOUP REQUIRED IMPORTED_TARGET libsoup-3.0)
 find_library(YUV_LIBRARY yuv REQUIRED)
 
+# Loaded at run time: only their headers are needed.
+find_path(FREENECT_INCLUDE_DIR libfreenect.h REQUIRED)
+find_path(OPENNI2_INCLUDE_DIR OniCAPI.h PATH_SUFFIXES openni2 REQUIRED)
+
 if(MORGAGNI_BUILD_TESTS)
   find_package(GTest REQUIRED)
 endif()

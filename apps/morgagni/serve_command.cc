@@ -76,9 +76,9 @@ void add_serve_command(CLI::App& app) {
       ->add_option(
           "--camera",
           arguments->camera,
-          "simulated:[key=value,...], mcap:FILE[,loop=1][,speed=full] or "
-          "tum:DIR[,loop=1][,speed=full]; at full speed every frame is tracked, with the same "
-          "poses each time")
+          "simulated:[key=value,...], freenect:, openni2:, mcap:FILE[,loop=1][,speed=full] or "
+          "tum:DIR[,loop=1][,speed=full] (docs/cameras.md); at full speed every frame is tracked, "
+          "with the same poses each time")
       ->capture_default_str();
   command->add_option("--port", server.port, "On 127.0.0.1; 0 takes a free one")
       ->capture_default_str();

@@ -5,6 +5,7 @@
 #include "morgagni/camera/freenect_camera.h"
 #include "morgagni/camera/internal/key_values.h"
 #include "morgagni/camera/mcap_recording.h"
+#include "morgagni/camera/openni2_camera.h"
 #include "morgagni/camera/range_camera.h"
 #include "morgagni/camera/simulated_camera.h"
 #include "morgagni/camera/tum_recording.h"
@@ -63,6 +64,12 @@ Result<std::unique_ptr<RangeCamera>> open_camera(const std::string& name,
     MOR_TRY(const auto options, FreenectOptions::parse(rest));
     return watch_camera([options] { return open_freenect(options); });
   }
+  if (colon != std::string::npos && kind == "openni2") {
+    MOR_TRY(const auto options, Openni2Options::parse(rest));
+    // A recording ends; a device is to come back.
+    if (options.uri.ends_with(".oni")) return open_openni2(options);
+    return watch_camera([options] { return open_openni2(options); });
+  }
   if (colon != std::string::npos && kind == "tum") return open_recording<TumRecording>(kind, rest);
   if (colon != std::string::npos && kind == "mcap") {
     return open_recording<McapRecording>(kind, rest);
@@ -73,7 +80,7 @@ Result<std::unique_ptr<RangeCamera>> open_camera(const std::string& name,
     return std::unique_ptr<RangeCamera>(std::move(camera));
   }
   return make_error(ErrorCode::kInvalidArgument,
-                    fmt::format("camera '{}' is unknown, there are freenect:, mcap:FILE, "
+                    fmt::format("camera '{}' is unknown, there are freenect:, mcap:FILE, openni2:, "
                                 "simulated:[key=value,...] and tum:DIR",
                                 name));
 }

@@ -32,6 +32,7 @@ TEST(OpenCamera, PassesOnWhatIsWrongWithTheOptions) {
   EXPECT_THAT(error_of("simulated:"), HasSubstr("skin"));
   EXPECT_THAT(error_of("freenect:index=99"), HasSubstr("[0, 15]"));
   EXPECT_THAT(error_of("freenect:calibration=/nowhere.json,mode=1"), HasSubstr("'mode'"));
+  EXPECT_THAT(error_of("openni2:x.oni,speed=full"), HasSubstr("only calibration"));
   EXPECT_THAT(error_of("tum:"), HasSubstr("needs a folder"));
   EXPECT_THAT(error_of("tum:/nowhere"), HasSubstr("/nowhere"));
   EXPECT_THAT(error_of("tum:/nowhere,loop=2"), HasSubstr("loop must be one of 0, 1"));

@@ -14,7 +14,7 @@ struct UsbCamera {
   std::string id;           ///< "045e:02ae".
   std::string camera;       ///< What opens it: "freenect:". Empty: no driver yet.
   bool is_allowed = false;  ///< This user may use it.
-  std::string advice;       ///< What to do before it can be used. Empty: nothing.
+  std::string advice = {};  ///< What to do before it can be used. Empty: nothing.
 };
 
 /// Range cameras that are plugged in, as the kernel lists them; nothing is opened.

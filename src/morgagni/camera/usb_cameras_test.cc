@@ -67,6 +67,7 @@ TEST_F(UsbCameras, ABusThatIsNotThereOrNonsenseIsNoCamera) {
   plug_in("2-1", "1d27", "", 1);
   std::ofstream(home_ / "sys/2-1/busnum") << "none";
   ASSERT_EQ(list().size(), 1U);
+  EXPECT_EQ(list()[0].camera, "openni2:") << "whatever its product";
   EXPECT_FALSE(list()[0].is_allowed);
 }
 
