@@ -227,7 +227,7 @@ void add_record_command(CLI::App& app) {
           arguments->color,
           "Of a .mcap: jpeg, or lossless (three to four times the size); depth keeps every "
           "bit in both")
-      ->transform(CLI::CheckedTransformer(kColors))
+      ->transform(CLI::CheckedTransformer(kColors).description("jpeg or lossless"))
       ->default_str("jpeg");
   command
       ->add_option("--targets",

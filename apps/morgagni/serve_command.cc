@@ -91,7 +91,7 @@ void add_serve_command(CLI::App& app) {
       ->add_option("--gate",
                    loop.tracking.gate,
                    "How a frame is judged: by all evidence, or by the residual alone (the paper's)")
-      ->transform(CLI::CheckedTransformer(kGates))
+      ->transform(CLI::CheckedTransformer(kGates).description("evidence or residual"))
       ->default_str("evidence");
   command
       ->add_option("--sensor-bias-mm",
@@ -112,7 +112,7 @@ void add_serve_command(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option("--start", loop.start, "The body is searched for, or placed before the camera")
-      ->transform(CLI::CheckedTransformer(kStarts))
+      ->transform(CLI::CheckedTransformer(kStarts).description("automatic or placement"))
       ->default_str("automatic");
   command
       ->add_option("--start-distance-mm",
