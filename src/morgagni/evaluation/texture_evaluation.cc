@@ -52,9 +52,11 @@ TextureQuality quality_of(const AtlasComparison& comparison) {
           .num_patches = shifts.size()};
 }
 
-/// A single tracked picture laid onto the skin, kept for the comparison.
+/// A single tracked picture laid onto the skin, and the same without clutter: a glove's folds are
+/// no detail of the skin.
 struct SinglePicture {
   AtlasPicture picture;
+  AtlasPicture clean;
 };
 
 class Study {
@@ -87,6 +89,9 @@ class Study {
     MOR_TRY(const auto camera_choice, camera_options());
     const auto skin = std::make_shared<const TriangleMesh>(body_->mesh);
     MOR_TRY(const auto camera, SimulatedCamera::create(skin, camera_choice));
+    auto clean_choice = camera_choice;
+    clean_choice.clutter = SimulatedClutter::kNone;
+    MOR_TRY(const auto clean_camera, SimulatedCamera::create(skin, clean_choice));
     MOR_TRY(auto extractor, BodySurfaceExtractor::create(camera->calibration().depth, {}));
     MOR_TRY(auto registration, make_fine_registration(body_, {}));
     MOR_TRY(auto tracker,
@@ -118,18 +123,23 @@ class Study {
       cpu_ms.push_back(thread_cpu_ms() - before_ms);
       study_.num_melted += outcome == FusionOutcome::kFused ? 1 : 0;
       if (i % options_.single_every == 0) {
-        singles_.push_back({internal::empty_picture(*atlas_)});
-        internal::project_onto(
-            *frame,
-            frame->calibration->color_from_depth * tracked.ct_from_depth->inverse(),
-            *atlas_,
-            places_,
-            singles_.back().picture);
+        keep_single(*frame, *clean_camera->frame_at(id), *tracked.ct_from_depth);
       }
     }
     study_.pose_error_mm = summarize(errors_mm);
     study_.cpu_ms = summarize(cpu_ms);
     return {};
+  }
+
+  void keep_single(const RgbdFrame& frame,
+                   const RgbdFrame& clean,
+                   const Eigen::Isometry3d& ct_from_depth) {
+    const Eigen::Isometry3d color_from_ct =
+        frame.calibration->color_from_depth * ct_from_depth.inverse();
+    auto& single = singles_.emplace_back(
+        SinglePicture{internal::empty_picture(*atlas_), internal::empty_picture(*atlas_)});
+    internal::project_onto(frame, color_from_ct, *atlas_, places_, single.picture);
+    internal::project_onto(clean, color_from_ct, *atlas_, places_, single.clean);
   }
 
   Result<AtlasPicture> draw_truth(const Progress& progress) const {
@@ -159,11 +169,11 @@ class Study {
     AtlasComparison of_singles;
     std::vector<double> ratios;
     for (std::size_t i = 0; i < singles_.size(); ++i) {
-      const auto& picture = singles_[i].picture;
-      append(of_singles, internal::compare_pictures(picture, truth));
-      const float best = *std::max_element(picture.quality.data(),
-                                           picture.quality.data() + picture.quality.size());
-      const auto energy = internal::gradient_energy(fused, picture, kOwnBestShare * best);
+      append(of_singles, internal::compare_pictures(singles_[i].picture, truth));
+      const auto& clean = singles_[i].clean;
+      const float best =
+          *std::max_element(clean.quality.data(), clean.quality.data() + clean.quality.size());
+      const auto energy = internal::gradient_energy(fused, clean, kOwnBestShare * best);
       if (energy.num_steps > 2000) ratios.push_back(energy.of_a / energy.of_b);
       progress("compare", static_cast<double>(i + 1) / static_cast<double>(singles_.size()));
     }

@@ -41,8 +41,8 @@ struct TextureQuality {
 struct TextureStudy {
   TextureQuality fused;
   TextureQuality single;  ///< All single pictures taken together.
-  /// Fused over single, where the single picture shows the skin at 80 % of its own best resolution:
-  /// the least and the middle over the single pictures.
+  /// Fused over single, where the single picture, without its clutter, shows the skin at 80 % of its
+  /// own best resolution at least: the least and the middle over the single pictures.
   double least_gradient_ratio = 0.0;
   double median_gradient_ratio = 0.0;
   double coverage = 0.0;             ///< Of the skin that could be seen (SkinCoverage).
