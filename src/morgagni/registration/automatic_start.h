@@ -22,7 +22,7 @@ namespace mor {
 
 struct AutomaticStartOptions {
   /// Which way is down, frame depth, any length, where a device knows it: planes that are not
-  /// level are then no tables.
+  /// level are then no tables, and no table need be seen.
   std::optional<Eigen::Vector3d> gravity = std::nullopt;
   /// The sides of the body that may lie on the table. Not empty.
   std::vector<BodySide> lying_on = {BodySide::kPosterior, BodySide::kAnterior};
@@ -51,8 +51,9 @@ struct AutomaticStartResult {
 };
 
 /// Finds the body in one depth picture: no landmarks, no placement, whatever the camera's place and
-/// roll. A body on a table is searched for on the picture's planes, else over all poses; the best
-/// are refined and verified by what the camera should and should not see there.
+/// roll. The body lies on a table: it is searched for on the picture's planes, or where gravity is
+/// known at all heights; the best poses are refined and verified by what the camera should and
+/// should not see there.
 ///
 /// No start is better than a wrong start: where the picture does not settle the pose it says so.
 class AutomaticStart {

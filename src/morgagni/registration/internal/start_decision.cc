@@ -21,7 +21,7 @@ constexpr double kLeastHold = 1e-4;      ///< Share of the skin's area times fir
 constexpr double kLeastAgree = 60.0;     ///< Pixels.
 constexpr double kLeastEvidence = 0.03;  ///< Of what agrees.
 constexpr double kRunnerUpDoubt = 0.4;   ///< What a runner-up of equal evidence weighs.
-constexpr double kMostDoubt = 0.8;       ///< All together.
+constexpr double kMostDoubt = 0.75;      ///< All together.
 /// The mirror image must not fit better: then the CT may be mirrored, or the body is turned.
 constexpr double kMostMirrored = 1.0;
 

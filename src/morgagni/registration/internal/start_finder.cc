@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
@@ -31,61 +30,8 @@ constexpr double kFloatingCost = 2.0;
 constexpr float kLookToleranceMm = 1.0F;
 constexpr double kNearbyShift = 0.04;  ///< Of the extent.
 constexpr double kNearbyTurnRad = 0.1;
-/// A finding that passes by so much is right: other planes need no look.
-constexpr double kSettledMargin = 0.3;
 constexpr float kMostBelowTable = 0.05F;  ///< Of the readings.
 constexpr std::size_t kLeastPoints = 60;
-
-/// How far two poses put the body apart: the largest distance of the corners of its bounds.
-double distance_mm(const Eigen::Isometry3d& a,
-                   const Eigen::Isometry3d& b,
-                   const Eigen::AlignedBox3d& bounds) {
-  const Eigen::Isometry3d b_from_a = b * a.inverse();
-  double most_mm = 0.0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3d p = bounds.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
-    most_mm = std::max(most_mm, (b_from_a * p - p).norm());
-  }
-  return most_mm;
-}
-
-template <class T>
-void keep_best(std::vector<T>& items,
-               std::size_t count,
-               double near_mm,
-               const Eigen::AlignedBox3d& bounds) {
-  // Indices are sorted: std::stable_sort's buffer is not aligned for Eigen.
-  std::vector<std::size_t> order(items.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&items](std::size_t a, std::size_t b) {
-    return items[a].score > items[b].score;
-  });
-  std::vector<T> kept;
-  for (const std::size_t i : order) {
-    if (kept.size() == count) break;
-    auto& item = items[i];
-    const bool is_new = std::none_of(kept.begin(), kept.end(), [&](const T& other) {
-      return distance_mm(item.ct_from_depth, other.ct_from_depth, bounds) < near_mm;
-    });
-    if (is_new) kept.push_back(std::move(item));
-  }
-  items = std::move(kept);
-}
-
-/// How much of the best finding's evidence the next one has, 0..1.
-double runner_up_share(const std::vector<StartFinding>& findings) {
-  if (findings.size() < 2 || !(findings[0].score > 0.0)) return 0.0;
-  return std::max(0.0, findings[1].score / findings[0].score);
-}
-
-bool passes(const std::vector<StartFinding>& findings, double least_margin = 0.0) {
-  return !findings.empty() &&
-         margin(findings[0].agreement, runner_up_share(findings)) >= least_margin;
-}
-
-bool settles(const std::vector<StartFinding>& findings) {
-  return passes(findings, kSettledMargin);
-}
 
 }  // namespace
 

@@ -9,6 +9,7 @@
 
 #include "morgagni/registration/automatic_start.h"
 #include "morgagni/registration/internal/field_registration.h"
+#include "morgagni/registration/internal/start_finding.h"
 #include "morgagni/registration/internal/start_picture.h"
 #include "morgagni/registration/internal/start_scene.h"
 #include "morgagni/registration/internal/start_search.h"
@@ -16,15 +17,6 @@
 #include "morgagni/registration/internal/start_volume.h"
 
 namespace mor::internal {
-
-/// A pose with what speaks for and against it.
-struct StartFinding {
-  Eigen::Isometry3d ct_from_depth = Eigen::Isometry3d::Identity();
-  Eigen::Isometry3d on_plane = Eigen::Isometry3d::Identity();  ///< Before refinement left it.
-  std::shared_ptr<const StartScene> scene;  ///< What stands on the plane it was found on.
-  SkinAgreement agreement;
-  double score = 0.0;  ///< Larger is better; comparable among findings of one step.
-};
 
 /// How many hypotheses of a plane are followed.
 struct SearchEffort {
