@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/stream/live_server.h"
 
+#include <mutex>
 #include <utility>
 
 #include "morgagni/stream/internal/gst_parts.h"
 #include "morgagni/stream/internal/http_server.h"
 #include "morgagni/stream/internal/main_loop.h"
 #include "morgagni/stream/internal/video_encoder.h"
+#include "morgagni/stream/internal/video_recorder.h"
 #include "morgagni/stream/internal/viewer_hub.h"
 
 namespace mor {
@@ -36,6 +38,7 @@ class LiveServerOnGlib : public LiveServer {
   Result<void> begin(const LiveServerOptions& options, std::vector<HttpRoute> routes) {
     const auto to_viewers = [this](const internal::EncodedPicture& picture) {
       viewers_.send(picture);
+      if (const auto recorder = recorder_of_now()) recorder->add(picture);
     };
     MOR_TRY(encoder_, internal::VideoEncoder::create(options.bitrate_kbps, to_viewers));
     viewers_.set_encoder(encoder_.get());
@@ -65,6 +68,30 @@ class LiveServerOnGlib : public LiveServer {
     });
   }
 
+  Result<void> start_video(const VideoFiles& files) override {
+    if (const auto recorder = recorder_of_now(); recorder && recorder->status().is_running)
+      return make_error(ErrorCode::kInvalidArgument, "a video is being recorded already");
+    MOR_TRY(std::shared_ptr<internal::VideoRecorder> made, internal::VideoRecorder::create(files));
+    {
+      const std::lock_guard lock(recorder_mutex_);
+      recorder_ = std::move(made);
+    }
+    encoder_->request_key_picture();
+    return {};
+  }
+
+  [[nodiscard]] VideoStatus video() const override {
+    const auto recorder = recorder_of_now();
+    return recorder ? recorder->status() : VideoStatus{};
+  }
+
+  VideoStatus stop_video() override {
+    const auto recorder = recorder_of_now();
+    if (!recorder) return {};
+    recorder->finish();
+    return recorder->status();
+  }
+
   [[nodiscard]] LiveServerStats stats() const override {
     LiveServerStats stats;
     encoder_->add_to(stats);
@@ -75,8 +102,15 @@ class LiveServerOnGlib : public LiveServer {
   [[nodiscard]] std::uint16_t port() const override { return port_; }
 
  private:
+  std::shared_ptr<internal::VideoRecorder> recorder_of_now() const {
+    const std::lock_guard lock(recorder_mutex_);
+    return recorder_;
+  }
+
   internal::MainLoop main_loop_;
   internal::ViewerHub viewers_;
+  mutable std::mutex recorder_mutex_;
+  std::shared_ptr<internal::VideoRecorder> recorder_;
   std::unique_ptr<internal::VideoEncoder> encoder_;
   std::unique_ptr<internal::HttpServer> http_;  ///< Of the main loop, once that runs.
   std::uint16_t port_ = 0;

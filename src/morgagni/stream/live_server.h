@@ -14,6 +14,7 @@
 
 #include "morgagni/core/image.h"
 #include "morgagni/core/result.h"
+#include "morgagni/stream/video_recording.h"
 
 namespace mor {
 
@@ -80,6 +81,14 @@ class LiveServer {
 
   /// Sends one event of name `status` to every page. Any thread.
   virtual void publish_status(std::string json) = 0;
+
+  /// Writes what is streamed into a video, from the next picture on; the stream does not wait for
+  /// it. @errors kInvalidArgument: one is being written already; kIo: which file, and why.
+  [[nodiscard]] virtual Result<void> start_video(const VideoFiles& files) = 0;
+  /// Of the video that is written, or of the last one.
+  [[nodiscard]] virtual VideoStatus video() const = 0;
+  /// Ends the video and waits until its files are whole. Any thread but the server's own.
+  virtual VideoStatus stop_video() = 0;
 
   [[nodiscard]] virtual LiveServerStats stats() const = 0;
   [[nodiscard]] virtual std::uint16_t port() const = 0;
