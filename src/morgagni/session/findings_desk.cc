@@ -192,7 +192,7 @@ FindingPhotos FindingsDesk::photos_of(const std::vector<FindingPick>& picks) con
     photos.plain = encode_png(cropped(tracked.frame->color.view(), *box).view());
   const auto snapshot = loop_->snapshot();
   if (!snapshot || !snapshot->shown.camera_from_ct) return photos;
-  const auto& [pixels, shown] = *snapshot;
+  const auto& [pixels, shown, marks] = *snapshot;
   if (const auto box = box_around(places, shown.camera, *shown.camera_from_ct, kPhotoMarginMm)) {
     auto crop = cropped(pixels.view(), *box);
     for (const auto& place : places) {

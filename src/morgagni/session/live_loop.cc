@@ -380,8 +380,9 @@ class Loop final : public LiveLoop {
       return;
     }
     const ShownPicture what = shown_picture(shown, view, is_still);
-    show(*picture, {shown.frame->captured_at, picture_json(what, mark_ ? mark_(what) : "")});
-    keep_snapshot(*picture, what);
+    const std::string marks = mark_ ? mark_(what) : std::string();
+    show(*picture, {shown.frame->captured_at, picture_json(what, marks)});
+    keep_snapshot(*picture, what, marks);
     const std::lock_guard lock(mutex_);
     render_ms_.add(ms_between(started, Clock::now()));
     if (!is_still) shown_rate_.count(Clock::now());
@@ -402,7 +403,9 @@ class Loop final : public LiveLoop {
     return what;
   }
 
-  void keep_snapshot(ImageView<const Rgba8> picture, const ShownPicture& what) {
+  void keep_snapshot(ImageView<const Rgba8> picture,
+                     const ShownPicture& what,
+                     const std::string& marks) {
     const std::lock_guard lock(picture_mutex_);
     if (!snapshot_) snapshot_.emplace();
     auto& pixels = snapshot_->pixels;
@@ -413,6 +416,7 @@ class Loop final : public LiveLoop {
       std::copy_n(picture.row(y), picture.width(), pixels.view().row(y));
     }
     snapshot_->shown = what;
+    snapshot_->marks = marks;
   }
 
   const std::shared_ptr<const Case> body_;

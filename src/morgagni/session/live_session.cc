@@ -14,6 +14,8 @@
 #include "morgagni/session/live_api.h"
 #include "morgagni/session/recording_routes.h"
 #include "morgagni/session/texture_routes.h"
+#include "morgagni/session/recorder_routes.h"
+#include "morgagni/session/still_routes.h"
 
 namespace mor {
 namespace {
@@ -25,10 +27,12 @@ class Session final : public LiveSession {
   Session(std::shared_ptr<LiveLoop> loop,
           std::unique_ptr<LiveServer> server,
           std::optional<FolderLock> in_use,
+          std::shared_ptr<Recorder> recorder,
           const LiveSessionOptions& options)
       : in_use_(std::move(in_use)),
         loop_(std::move(loop)),
         server_(std::move(server)),
+        recorder_(std::move(recorder)),
         method_(to_string(options.loop.registration.method)),
         camera_name_(options.camera_name),
         status_thread_([this](std::stop_token stop) { report(stop); }) {}
@@ -54,6 +58,7 @@ class Session final : public LiveSession {
   // loop, so the loop's threads are stopped first, by ~Session.
   std::shared_ptr<LiveLoop> loop_;
   std::unique_ptr<LiveServer> server_;
+  std::shared_ptr<Recorder> recorder_;
   std::string_view method_;
   std::string camera_name_;
   std::jthread status_thread_;
@@ -61,6 +66,7 @@ class Session final : public LiveSession {
  public:
   ~Session() override {
     status_thread_ = {};
+    recorder_->close();
     loop_->stop();
   }
 };
@@ -77,6 +83,7 @@ Result<std::unique_ptr<LiveSession>> LiveSession::start(Case body,
                              FolderLock::Kind::kShared,
                              body.folder.string() + " is being prepared: start again after that"));
   }
+  const RgbdCalibration calibration = camera->calibration();
   const auto shared_body = std::make_shared<const Case>(std::move(body));
   MOR_TRY(std::shared_ptr<LiveLoop> loop,
           LiveLoop::create(shared_body, std::move(camera), options.loop));
@@ -84,19 +91,24 @@ Result<std::unique_ptr<LiveSession>> LiveSession::start(Case body,
   loop->mark([desk = desk.get()](const ShownPicture& shown) { return desk->marks(shown); });
   const auto texture = std::make_shared<TextureRecorder>(shared_body);
   loop->observe([texture](const TrackedFrame& tracked) { texture->look(tracked); });
+  const auto recorder = std::make_shared<Recorder>(shared_body, calibration, options.camera_name);
   // Each topic has its routes in a file of its own and joins the others with one line.
   std::vector<HttpRoute> routes = api::joined({
       make_live_routes(shared_body, loop, options.loop.placement),
       make_findings_routes(desk),
       make_recording_routes(*shared_body, *loop, options.camera_name),
       make_texture_routes(texture),
+      make_recorder_routes(recorder),
+      make_still_routes(shared_body, loop),
   });
   MOR_TRY(auto server, LiveServer::start(options.server, std::move(routes)));
   MOR_CHECK(
       loop->run([sink = server.get()](ImageView<const Rgba8> picture, const PictureInfo& info) {
         sink->show(picture, info);
       }));
-  return std::make_unique<Session>(std::move(loop), std::move(server), std::move(in_use), options);
+  recorder->run(*server);
+  return std::make_unique<Session>(
+      std::move(loop), std::move(server), std::move(in_use), recorder, options);
 }
 
 }  // namespace mor

@@ -30,6 +30,7 @@ struct ShownPicture {
 struct Snapshot {
   Image<Rgba8> pixels;
   ShownPicture shown;
+  std::string marks;  ///< JSON of what is marked in it; empty: nothing.
 };
 
 /// What belongs to the picture, as the page and the video's poses get it (docs/http-api.md).
