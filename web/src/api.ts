@@ -125,7 +125,8 @@ export interface TextureInfo {
 /** Says what to do next, in the server's words. */
 export class ApiError extends Error {}
 
-async function call<T>(path: string, body?: unknown): Promise<T> {
+/** GET without a body, else POST. @throws ApiError */
+export async function call<T>(path: string, body?: unknown): Promise<T> {
   let response: Response;
   try {
     response = await fetch(path, {

@@ -3,6 +3,7 @@
 import { api, listenToStatus, type CaseInfo, type Status, type View } from './api';
 import { Controls } from './controls';
 import { h, setText } from './dom';
+import { FindingsPanel } from './findings_panel';
 import { grabFrame, type GrabbedFrame } from './frame_grabber';
 import type { Point } from './geometry';
 import { LandmarkPanel } from './landmark_panel';
@@ -14,6 +15,7 @@ import { Stage } from './stage';
 import { StatusPanel } from './status_panel';
 import { adviceOf, bannerOf, snapshotName, touchLines } from './status_text';
 import { Tabs } from './tabs';
+import { TakeawayPanel } from './takeaway_panel';
 import { ViewSender } from './view_sender';
 import { TexturePanel } from './texture_panel';
 import { Toast } from './widgets';
@@ -60,6 +62,8 @@ export class App {
   });
 
   private readonly tabs = new Tabs('look');
+  private readonly findings = new FindingsPanel(this.stage, this.live, this.toast);
+  private readonly takeaway = new TakeawayPanel(this.toast);
 
   readonly inspection: {
     live: LiveVideo;
@@ -83,6 +87,8 @@ export class App {
     this.tabs.add('look', this.modes.element);
     this.tabs.add('take-away', new RecordingPanel(this.toast).element);
     this.tabs.add('surface', this.texture.element);
+    this.tabs.add('findings', this.findings.element);
+    this.tabs.add('take-away', this.takeaway.element);
     const self = this;
     this.inspection = {
       live: this.live,
@@ -144,7 +150,7 @@ export class App {
     this.figures.show(this.status, this.live);
     if (this.status?.state === 'lost' || this.status?.state === 'waiting') this.stage.hideReadout();
     this.stage.showUncertain(this.mode === 'live' && this.status?.state === 'uncertain');
-    if (this.mode !== 'landmarks') {
+    if (this.mode !== 'landmarks' && !this.stage.onTap) {
       this.stage.showHint(this.mode === 'placement'
         ? 'Move the camera until the body and the outline match' : adviceOf(this.status));
     }
@@ -174,6 +180,7 @@ export class App {
 
   private setMode(mode: Mode): void {
     if (this.mode === 'landmarks' && mode !== 'landmarks') this.landmarks.close();
+    if (mode !== 'live') this.findings.leave();
     this.mode = mode;
     this.landmarksSeen = false;
     this.element.className = `app ${mode}`;

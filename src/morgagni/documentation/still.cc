@@ -59,6 +59,7 @@ class Sheet {
   void ring(const Eigen::Vector2d& at, double radius, double width, const Color& c) const {
     color(c);
     cairo_set_line_width(get(), width);
+    cairo_new_path(get());  // Else the arc begins at where the last words did.
     cairo_arc(get(), at.x(), at.y(), radius, 0.0, 2.0 * M_PI);
     cairo_stroke(get());
   }
@@ -212,6 +213,7 @@ void draw_compass(const Sheet& sheet,
 }
 
 void draw_marks(const Sheet& sheet, double unit, const StillWords& words, int factor) {
+  std::vector<Eigen::AlignedBox2d> labels;  // No words on others.
   const auto scaled = [factor](const Eigen::Vector2d& px) {
     return Eigen::Vector2d((px.array() + 0.5) * factor);
   };
@@ -232,7 +234,13 @@ void draw_marks(const Sheet& sheet, double unit, const StillWords& words, int fa
     const Eigen::Vector2d at = scaled(mark.points_px.back());
     const auto text =
         sheet.words(mark.label.empty() ? mark.id : mark.id + "  " + mark.label, 0.85 * unit, true);
-    sheet.write(text, at.x() + 0.75 * unit, at.y() - 0.5 * text.height, color, 0.24 * unit);
+    const Eigen::Vector2d start(at.x() + 0.75 * unit, at.y() - 0.5 * text.height);
+    Eigen::AlignedBox2d label(start, start + Eigen::Vector2d(text.width, 0.8 * text.height));
+    const auto covers = [&](const auto& other) { return other.intersects(label); };
+    for (int i = 0; i < 8 && std::any_of(labels.begin(), labels.end(), covers); ++i)
+      label.translate(Eigen::Vector2d(0.0, text.height));
+    labels.push_back(label);
+    sheet.write(text, label.min().x(), label.min().y(), color, 0.24 * unit);
   }
 }
 

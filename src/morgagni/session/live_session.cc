@@ -12,10 +12,10 @@
 #include "morgagni/session/api_json.h"
 #include "morgagni/session/findings_routes.h"
 #include "morgagni/session/live_api.h"
-#include "morgagni/session/recording_routes.h"
-#include "morgagni/session/texture_routes.h"
 #include "morgagni/session/recorder_routes.h"
+#include "morgagni/session/recording_routes.h"
 #include "morgagni/session/still_routes.h"
+#include "morgagni/session/texture_routes.h"
 
 namespace mor {
 namespace {
