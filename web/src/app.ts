@@ -85,10 +85,10 @@ export class App {
       this.toast.element);
     this.tabs.add('look', this.controls.element);
     this.tabs.add('look', this.modes.element);
-    this.tabs.add('take-away', new RecordingPanel(this.toast).element);
     this.tabs.add('surface', this.texture.element);
     this.tabs.add('findings', this.findings.element);
     this.tabs.add('take-away', this.takeaway.element);
+    this.tabs.add('take-away', new RecordingPanel(this.toast).element);
     const self = this;
     this.inspection = {
       live: this.live,

@@ -34,7 +34,6 @@ const DRAWINGS = {
   geodesic: 'M4.5 18a1.5 1.5 0 1 0 0 .1M6 17.5C9 8 15 6 18 9.5M19.5 11a1.5 1.5 0 1 0 0 .1',
   edit: 'M5 19l1-4L16 5l3 3L9 18zM14 7l3 3',
   remove: 'M5 7h14M10 7V4.5h4V7M7 7l1 12.5h8L17 7M10.5 10.5v6M13.5 10.5v6',
-  record: 'M12 6a6 6 0 1 0 0 12 6 6 0 0 0 0-12',
   stop: 'M7 7h10v10H7z',
   takeAway: 'M12 4v11M7 10.5l5 5 5-5M4.5 19.5h15',
 } as const;
