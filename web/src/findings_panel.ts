@@ -11,7 +11,9 @@ import type { LiveVideo } from './live_video';
 import type { Stage } from './stage';
 import { button, iconButton, type Toast } from './widgets';
 
+// Another tablet may change the list too. Nothing is asked for while the tab is closed.
 const REFRESH_MS = 3000;
+const LOOK_MS = 250;
 // So many are shown at once; a list of thousands would hold up the picture.
 const PAGE = 50;
 const MAX_NOTE = 4000;
@@ -38,6 +40,7 @@ export class FindingsPanel {
   private making: { kind: FindingKind; picks: number[] } | undefined;
   private busy = false;
   private shown = '';
+  private refreshed_ms = -Infinity;
   private num_shown = PAGE;
   private edited: string | undefined;
   private last: FindingList = { findings: [], undoable: null };
@@ -58,9 +61,9 @@ export class FindingsPanel {
         this.cancelKey),
       section('Findings', this.empty, this.list, this.more, this.undoKey));
     setInterval(() => {
-      if (this.element.offsetParent !== null && !this.busy) void this.refresh();
-    }, REFRESH_MS);
-    void this.refresh();
+      if (this.element.offsetParent === null) this.refreshed_ms = -Infinity;
+      else if (!this.busy && performance.now() - this.refreshed_ms > REFRESH_MS) void this.refresh();
+    }, LOOK_MS);
   }
 
   /** Ends what was begun: the finger is wanted for something else. */
@@ -143,6 +146,7 @@ export class FindingsPanel {
   }
 
   private async refresh(): Promise<void> {
+    this.refreshed_ms = performance.now();
     try {
       this.show(await findingsApi.list());
     } catch (error) {

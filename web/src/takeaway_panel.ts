@@ -24,8 +24,8 @@ export interface VideoStatus {
   failed: boolean;
 }
 
-const RECORDING_MS = 500;
-const IDLE_MS = 4000;
+const LOOK_MS = 500;
+const IDLE_LOOKS = 8;
 
 /** "1:05, 12.3 MB". */
 export function videoFigures({ seconds, bytes }: Pick<VideoStatus, 'seconds' | 'bytes'>): string {
@@ -44,7 +44,7 @@ export class TakeawayPanel {
     'video-key');
   private readonly figures = h('p', { class: 'tip video-figures', role: 'status', hidden: true });
   private video: VideoStatus | undefined;
-  private timer: number | undefined;
+  private looks = 0;
 
   constructor(private readonly toast: Toast) {
     const style = choice('Scale, orientation, case, error', STYLES, (value) => (this.style = value));
@@ -52,7 +52,7 @@ export class TakeawayPanel {
     this.element = h('div', { class: 'take-away' },
       section('Still picture', style.element, this.stillKey),
       section('Video', this.videoKey, this.figures));
-    void this.poll();
+    setInterval(() => this.look(), LOOK_MS);
   }
 
   private async takeStill(): Promise<void> {
@@ -82,14 +82,17 @@ export class TakeawayPanel {
     void this.poll();
   }
 
-  /** Asks again and again: another tablet may start and stop it as well. */
+  /** Asks again and again: another tablet may start and stop it as well. Not while the tab is closed. */
+  private look(): void {
+    const isBusy = this.video !== undefined && this.video.state !== 'idle';
+    const isSeen = this.element.offsetParent !== null;
+    if (!isSeen && !isBusy) this.looks = 0;
+    else if (isBusy || this.looks++ % IDLE_LOOKS === 0) void this.poll();
+  }
+
   private async poll(): Promise<void> {
-    clearTimeout(this.timer);
     const status = await call<VideoStatus>('/api/video').catch(() => undefined);
     if (status) this.showVideo(status);
-    const isQuiet = this.video === undefined || this.video.state === 'idle';
-    clearTimeout(this.timer);
-    this.timer = window.setTimeout(() => void this.poll(), isQuiet ? IDLE_MS : RECORDING_MS);
   }
 
   private showVideo(status: VideoStatus): void {
