@@ -20,10 +20,8 @@ export class TexturePanel {
   private readonly bar = h('div', { class: 'texture-bar-filled' });
   private readonly advice = h('p', { class: 'tip', role: 'status' });
   private readonly saved = h('p', { class: 'tip' });
-  private readonly sides = h('img', {
-    class: 'texture-sides', hidden: true, width: 880, height: 240,
-    alt: 'The body from four sides; what was not recorded yet is striped',
-  });
+  /** One picture in two rows: the rail is narrow. */
+  private readonly rows = [h('div', { class: 'texture-row' }), h('div', { class: 'texture-row' })];
   private readonly recordKey: HTMLButtonElement;
   private readonly saveKey: HTMLButtonElement;
   private readonly againKey: HTMLButtonElement;
@@ -36,8 +34,11 @@ export class TexturePanel {
       section('Fused texture',
         h('div', { class: 'texture-head' }, this.percent, h('span', {}, 'of the skin recorded')),
         h('div', { class: 'texture-bar' }, this.bar),
-        h('figure', { class: 'texture-figure' }, this.sides,
-          h('figcaption', {}, ...SIDES.map((side) => h('span', {}, side)))),
+        h('figure', {
+          class: 'texture-figure', role: 'img',
+          'aria-label': 'The body from four sides; what was not recorded yet is striped',
+        }, ...this.rows.flatMap((row, i) => [row, h('figcaption', {},
+          ...SIDES.slice(2 * i, 2 * i + 2).map((side) => h('span', {}, side)))])),
         this.advice, this.recordKey,
         h('div', { class: 'texture-keys' }, this.saveKey, this.againKey), this.saved));
     this.show(undefined);
@@ -60,8 +61,9 @@ export class TexturePanel {
     setText(this.saved, textureSaved(info));
     if (info && info.version > 0 && info.version !== this.shownVersion) {
       this.shownVersion = info.version;
-      this.sides.src = textureSidesUrl(info.version);
-      this.sides.hidden = false;
+      for (const row of this.rows) {
+        row.style.backgroundImage = `url("${textureSidesUrl(info.version)}")`;
+      }
     }
   }
 

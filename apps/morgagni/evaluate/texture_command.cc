@@ -67,6 +67,11 @@ void add_evaluate_texture_command(CLI::App& evaluate_app) {
       ->capture_default_str();
   command->add_option("--fuse-every", options.fuse_every, "One of so many frames is melted")
       ->capture_default_str();
+  command
+      ->add_option("--clutter-period",
+                   options.clutter_period,
+                   "The clutter is there in the second half of so many frames; 0: always")
+      ->capture_default_str();
   command->add_option("--px-per-mm", options.atlas.px_per_mm, "Of the atlas")
       ->capture_default_str();
   command->add_flag("--hold-poses",

@@ -102,7 +102,7 @@ class Study {
     bool is_waiting = true;
     for (int i = 0; i < options_.num_frames; ++i) {
       const auto id = static_cast<std::uint64_t>(i);
-      const auto frame = camera->frame_at(id);
+      const auto frame = (has_clutter(i) ? camera : clean_camera)->frame_at(id);
       const Eigen::Isometry3d truth = camera->ct_from_camera(id);
       // A hand may cover the body at first: it is looked for where it is until it is seen.
       const Eigen::Translation3d off(options_.start_error_mm, 0.0, 0.0);
@@ -129,6 +129,11 @@ class Study {
     study_.pose_error_mm = summarize(errors_mm);
     study_.cpu_ms = summarize(cpu_ms);
     return {};
+  }
+
+  [[nodiscard]] bool has_clutter(int frame) const {
+    const int period = options_.clutter_period;
+    return period == 0 || frame % period >= period / 2;
   }
 
   void keep_single(const RgbdFrame& frame,
@@ -218,6 +223,7 @@ Result<void> TextureStudyOptions::check() const {
   if (fuse_every < 1) return refuse("fuse_every", "at least 1", fuse_every);
   if (truth_every < 1) return refuse("truth_every", "at least 1", truth_every);
   if (single_every < 1) return refuse("single_every", "at least 1", single_every);
+  if (clutter_period < 0) return refuse("clutter_period", "at least 0", clutter_period);
   if (!(start_error_mm >= 0.0)) return refuse("start_error_mm", "at least 0", start_error_mm);
   MOR_CHECK(atlas.check());
   return fusion.check();

@@ -17,12 +17,15 @@ namespace mor {
 
 struct TextureStudyOptions {
   /// As after `simulated:`; seed, frames and speed are set by the run.
-  std::string camera = "path=pass,skin=marked,exposure=0.3,clutter=hand,fps=15";
+  std::string camera = "path=pass,skin=marked,exposure=0.3,clutter=hand,fps=4";
   std::uint64_t seed = 1;
-  int num_frames = 1500;
-  int fuse_every = 4;           ///< A live session melts four frames or so a second. >= 1.
-  int truth_every = 15;         ///< Frames that the truth is drawn from. >= 1.
-  int single_every = 60;        ///< Frames that are laid onto the skin alone, for comparison. >= 1.
+  int num_frames = 400;   ///< Four a second, as a live session melts them: one pass takes 100 s.
+  int fuse_every = 1;     ///< >= 1.
+  int truth_every = 8;    ///< Frames that the truth is drawn from. >= 1.
+  int single_every = 20;  ///< Frames that are laid onto the skin alone, for comparison. >= 1.
+  /// What `clutter=` names is there in the second half of so many frames, and gone in the first.
+  /// 0: it is always there; where its shadow falls all the time, the skin is dark for the texture.
+  int clutter_period = 80;
   double start_error_mm = 3.0;  ///< The tracking starts so far off. >= 0.
   SkinAtlasOptions atlas;
   TextureFusionOptions fusion;
@@ -41,8 +44,8 @@ struct TextureQuality {
 struct TextureStudy {
   TextureQuality fused;
   TextureQuality single;  ///< All single pictures taken together.
-  /// Fused over single, where the single picture, without its clutter, shows the skin at 80 % of its
-  /// own best resolution at least: the least and the middle over the single pictures.
+  /// Fused over single, where the single picture, without its clutter, shows the skin at 80 % of
+  /// its own best resolution at least: the least and the middle over the single pictures.
   double least_gradient_ratio = 0.0;
   double median_gradient_ratio = 0.0;
   double coverage = 0.0;             ///< Of the skin that could be seen (SkinCoverage).

@@ -88,6 +88,7 @@ TEST(TextureStudy, MeltingKeepsPlaceColourAndDetail) {
   options.fuse_every = 2;
   options.truth_every = 10;
   options.single_every = 30;
+  options.clutter_period = 40;
   const auto study = run_texture_study(internal::bumpy_surface(), options, [](auto, auto) {});
   ASSERT_TRUE(study.has_value()) << study.error().message;
   EXPECT_LE(study->fused.color_difference.median, 3.0);
