@@ -65,7 +65,10 @@ void RecordingThread::write() {
     emptied_.notify_one();
     write_one(item);
     lock.lock();
-    if (progress_.error) waiting_.clear();
+    if (progress_.error) {
+      waiting_.clear();
+      emptied_.notify_all();
+    }
   }
   lock.unlock();
   const auto finished = recorder_.finish();

@@ -51,6 +51,17 @@ TEST_F(RecordingThreadTest, OfferedFramesAreWrittenOrCounted) {
   EXPECT_EQ(McapRecording::open(path_)->size(), progress.num_frames);
 }
 
+TEST_F(RecordingThreadTest, WhoWaitsForRoomIsLetGoByAnError) {
+  RecordingThread thread(
+      McapRecorder::create(path_, {.min_free_bytes = std::uint64_t{1} << 60U}).value());
+  // The disk is found full with the first chunk, while the queue is full too.
+  for (std::uint64_t i = 0; i < 500; ++i) thread.put(frame(i));
+  const auto progress = thread.finish();
+  ASSERT_TRUE(progress.error);
+  EXPECT_THAT(progress.error->message, HasSubstr("disk is full"));
+  EXPECT_EQ(progress.num_frames, 0U);
+}
+
 TEST_F(RecordingThreadTest, AnErrorEndsItAndIsKept) {
   RecordingThread thread(McapRecorder::create(path_, {}).value());
   for (std::uint64_t i = 0; i < 3; ++i) thread.put(frame(i));

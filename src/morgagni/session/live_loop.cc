@@ -248,7 +248,9 @@ class Loop final : public LiveLoop {
       return in_step_ ? next_frame(stop) : captured_.take(stop).value_or(nullptr);
     };
     while (auto frame = next()) {
-      const double wait_ms = ms_between(frame->captured_at, Clock::now());
+      // In step, a frame comes when it is asked for: its own time is the recording's.
+      const auto came_at = in_step_ ? Clock::now() : frame->captured_at;
+      const double wait_ms = ms_between(came_at, Clock::now());
       auto tracked = follow(std::move(frame));
       if (!tracked) {
         set_camera_error("a picture of the camera cannot be used: " + tracked.error().message);
@@ -263,7 +265,7 @@ class Loop final : public LiveLoop {
         if (tracked->registration) registration_ms_.add(tracked->registration_ms);
       }
       tell_observers(*tracked);
-      tracked_.put(*std::move(tracked));
+      tracked_.put({*std::move(tracked), came_at});
     }
   }
 
@@ -342,18 +344,24 @@ class Loop final : public LiveLoop {
     log::info("pictures are drawn by {}", (*renderer)->device());
     ready.set_value({});
 
-    TrackedFrame newest;
+    Arrival newest;
     auto next_still_at = Clock::now();
     while (!stop.stop_requested()) {
       auto arrived = tracked_.take(stop, kStillPeriod);
       const bool is_new = arrived.has_value();
       if (is_new) newest = *std::move(arrived);
-      const auto [shown, view, is_still] = choose(newest);
+      const auto [shown, view, is_still] = choose(newest.tracked);
       if (!shown.frame || ((is_still || !is_new) && Clock::now() < next_still_at)) continue;
       next_still_at = Clock::now() + kStillPeriod;
-      draw(**renderer, shown, view, is_still, show);
+      const auto came_at = in_step_ ? newest.came_at : shown.frame->captured_at;
+      draw(**renderer, shown, view, is_still, came_at, show);
     }
   }
+
+  struct Arrival {
+    TrackedFrame tracked;
+    Clock::time_point came_at;  ///< From when on the frame's age counts.
+  };
 
   struct Choice {
     TrackedFrame shown;
@@ -370,6 +378,7 @@ class Loop final : public LiveLoop {
             const TrackedFrame& shown,
             const ViewSettings& view,
             bool is_still,
+            Clock::time_point came_at,
             const Show& show) {
     const auto started = Clock::now();
     const auto picture = renderer.render(
@@ -381,7 +390,7 @@ class Loop final : public LiveLoop {
     }
     const ShownPicture what = shown_picture(shown, view, is_still);
     const std::string marks = mark_ ? mark_(what) : std::string();
-    show(*picture, {shown.frame->captured_at, picture_json(what, marks)});
+    show(*picture, {came_at, picture_json(what, marks)});
     keep_snapshot(*picture, what, marks);
     const std::lock_guard lock(mutex_);
     render_ms_.add(ms_between(started, Clock::now()));
@@ -430,7 +439,7 @@ class Loop final : public LiveLoop {
   StartSearch search_;
 
   LatestSlot<FramePtr> captured_;
-  LatestSlot<TrackedFrame> tracked_;
+  LatestSlot<Arrival> tracked_;
 
   mutable std::mutex mutex_;  ///< Guards everything down to the next blank line.
   ViewSettings view_;

@@ -71,6 +71,7 @@ class LiveLoopTest : public testing::Test {
           const std::lock_guard lock(mutex_);
           ++num_pictures_;
           last_info_ = Json::parse(info.json);
+          last_age_ = std::chrono::steady_clock::now() - info.captured_at;
           last_width_ = picture.width();
         });
     ASSERT_TRUE(running) << running.error().message;
@@ -119,6 +120,7 @@ class LiveLoopTest : public testing::Test {
   int num_pictures_ = 0;
   int last_width_ = 0;
   Json last_info_;
+  std::chrono::duration<double> last_age_{};
 };
 
 TEST_F(LiveLoopTest, CatchesThePlacedBodyAndShowsIt) {
@@ -261,6 +263,14 @@ TEST_F(LiveLoopTest, InStepEveryFrameOfARecordingIsTracked) {
   EXPECT_TRUE(
       eventually([this] { return loop_->status().camera_error == "the recording has ended"; }));
   EXPECT_EQ(loop_->status().last.frame->frame_id, 49U);
+  EXPECT_TRUE(eventually([this] {
+    const std::lock_guard lock(mutex_);
+    return num_pictures_ > 0;
+  }));
+  // The frames say that they are hours old; shown is how long they took from when they came.
+  const std::lock_guard lock(mutex_);
+  EXPECT_GE(last_age_.count(), 0.0);
+  EXPECT_LT(last_age_.count(), 60.0);
 }
 
 TEST_F(LiveLoopTest, SaysWhatIsWrongWithARequest) {
