@@ -21,9 +21,6 @@ constexpr double kLiveCoarsest = 1.55;   ///< and while the picture moves.
 constexpr float kEnough = 0.98F;         ///< Opacity at which a ray ends.
 constexpr float kLeastOpacity = 0.002F;  ///< Of a sample that is seen,
 constexpr float kLeastLit = 0.01F;  ///< and of what it adds to its ray where it is worth lighting.
-/// Between a sample and those that say where it faces: a voxel, and of the longest voxel's side at
-/// least so much, else slices that are farther apart than pixels show as terraces.
-constexpr double kGradientReach = 0.8;
 constexpr float kFlatHuPerMm = 15.0F;   ///< Weaker gradients are noise: lit from all sides,
 constexpr float kSteepHuPerMm = 80.0F;  ///< stronger ones are surfaces.
 constexpr float kFlatLight = 0.80F;
@@ -40,9 +37,8 @@ struct Point {
 };
 
 /// Everything that all rays of a picture share.
-struct Scene {
+struct Scene : RayGeometry {
   const std::int16_t* voxels;
-  std::array<int, 3> size;
   std::array<int, 3> bricks;
   const std::uint8_t* distances;
   const float* opacity;
@@ -50,13 +46,7 @@ struct Scene {
   const float* moment_sum;
   float surface_entry;
   const std::uint32_t* colors;
-  std::array<float, 3> eye;             ///< In voxels.
-  Eigen::Matrix3f voxels_from_ray;      ///< Voxels a mm of z, of (x/z, y/z, 1).
-  Eigen::Matrix3f color_from_gradient;  ///< HU a voxel in the grid to HU a mm in the colour frame.
-  std::array<float, 3> gradient_voxels;
   float step_mm;
-  float nearest_mm;
-  float farthest_mm;
 };
 
 struct Rays {
@@ -299,56 +289,11 @@ Rays enter(const Scene& scene, Floats x, Floats y) {
   return rays;
 }
 
-/// What is on the camera's side of the plane is not there.
-void cut_away(const Eigen::Hyperplane<double, 3>& plane, Floats x, Floats y, Rays& rays) {
-  const Eigen::Vector3f normal = plane.normal().cast<float>();
-  const auto offset = static_cast<float>(plane.offset());
-  const Floats slope = normal.x() * x + normal.y() * y + normal.z();
-  const Floats safe = magnitude(slope) < 1e-6F ? all(1e-6F) : slope;
-  const Floats meets_mm = -offset / safe;
-  rays.first_mm = meets_mm > 0.0F ? most(rays.first_mm, meets_mm) : all(kNoDepth);
-}
-
-Scene scene_of(const Volume& volume, const Eigen::Isometry3d& color_from_ct) {
-  Scene scene{};
-  scene.voxels = volume.hu.data();
-  scene.size = volume.size;
-  const Eigen::Isometry3d grid_from_color = (color_from_ct * volume.ct_from_grid).inverse();
-  const Eigen::Vector3d per_mm = volume.spacing_mm.cwiseInverse();
-  const Eigen::Vector3d eye = grid_from_color.translation().cwiseProduct(per_mm);
-  const double reach_mm = kGradientReach * volume.spacing_mm.maxCoeff();
-  for (int axis = 0; axis < 3; ++axis) {
-    scene.eye[static_cast<std::size_t>(axis)] = static_cast<float>(eye[axis]);
-    scene.gradient_voxels[static_cast<std::size_t>(axis)] =
-        static_cast<float>(std::max(1.0, reach_mm * per_mm[axis]));
-  }
-  scene.voxels_from_ray = (per_mm.asDiagonal() * grid_from_color.linear()).cast<float>();
-  scene.color_from_gradient =
-      (grid_from_color.linear().transpose() * per_mm.asDiagonal()).cast<float>();
-  scene.nearest_mm = kNoDepth;
-  scene.farthest_mm = -kNoDepth;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3d voxel((corner & 1) * (volume.size[0] - 1),
-                                (corner >> 1 & 1) * (volume.size[1] - 1),
-                                (corner >> 2 & 1) * (volume.size[2] - 1));
-    const Eigen::Vector3d place = grid_from_color.inverse() * voxel.cwiseProduct(volume.spacing_mm);
-    scene.nearest_mm = std::min(scene.nearest_mm, static_cast<float>(place.z()));
-    scene.farthest_mm = std::max(scene.farthest_mm, static_cast<float>(place.z()) + 1.0F);
-  }
-  return scene;
-}
-
-void stay_below_skin(const RayBundle& bundle, Floats x, Floats y, Rays& rays) {
+void limit(const RayBundle& bundle, Floats x, Floats y, Rays& rays) {
   for (int lane = 0; lane < kNumLanes; ++lane) {
-    const Eigen::Vector2f ray(x[lane], y[lane]);
-    const float skin_mm = bundle.grid->skin_at(ray);
-    const float back_mm = bundle.grid->back_at(ray);
-    if (skin_mm > 0.0F) {
-      rays.first_mm[lane] = std::max(rays.first_mm[lane], skin_mm + bundle.skin_mm);
-    }
-    if (back_mm > 0.0F) {
-      rays.last_mm[lane] = std::min(rays.last_mm[lane], back_mm - bundle.skin_mm);
-    }
+    const RayLimits limits = ray_limits(bundle, {x[lane], y[lane]});
+    rays.first_mm[lane] = std::max(rays.first_mm[lane], limits.first_mm);
+    rays.last_mm[lane] = std::min(rays.last_mm[lane], limits.last_mm);
   }
 }
 
@@ -373,8 +318,7 @@ std::array<Rgba8, kNumLanes> cast_packet(const Scene& scene,
   }
   if (!any(open)) return {};
   Rays rays = enter(scene, x, y);
-  if (bundle.cut) cut_away(*bundle.cut, x, y, rays);
-  if (bundle.grid != nullptr && bundle.skin_mm > 0.0F) stay_below_skin(bundle, x, y, rays);
+  limit(bundle, x, y, rays);
   rays.first_mm = open ? rays.first_mm + 0.5F * rays.step_mm : all(kNoDepth);
   std::array<int, kNumLanes> next{};
   for (bool is_more = true; is_more;) {
@@ -401,30 +345,6 @@ std::array<Rgba8, kNumLanes> cast_packet(const Scene& scene,
   return result;
 }
 
-/// Between the pixels that have a ray.
-void interpolate(const std::vector<Rgba8>& coarse, int coarse_width, int stride, Layer& seen) {
-  const PixelBox& box = seen.box;
-  tbb::parallel_for(0, box.height, [&](int y) {
-    const Rgba8* upper = coarse.data() + static_cast<std::size_t>(y / stride) * coarse_width;
-    const Rgba8* lower = upper + coarse_width;
-    const int down = y % stride;
-    Rgba8* row = seen.pixels.data() + static_cast<std::size_t>(y) * box.width;
-    for (int x = 0; x < box.width; ++x) {
-      const int column = x / stride;
-      const int right = x % stride;
-      const auto mixed = [&](std::uint8_t Rgba8::*channel) {
-        const int above =
-            upper[column].*channel * (stride - right) + upper[column + 1].*channel * right;
-        const int below =
-            lower[column].*channel * (stride - right) + lower[column + 1].*channel * right;
-        return static_cast<std::uint8_t>((above * (stride - down) + below * down) /
-                                         (stride * stride));
-      };
-      row[x] = {mixed(&Rgba8::r), mixed(&Rgba8::g), mixed(&Rgba8::b), mixed(&Rgba8::a)};
-    }
-  });
-}
-
 }  // namespace
 
 RayCaster::Level::Level(std::shared_ptr<const Volume> voxels)
@@ -444,6 +364,7 @@ void RayCaster::set(const VolumeView& view) {
     return;
   }
   view_ = view;
+  ++revision_;
   for (Level& level : levels_) {
     level.table = make_transfer_table(view, level.step_mm);
     level.distances = level.bricks.distances_to_seen(level.table);
@@ -451,7 +372,7 @@ void RayCaster::set(const VolumeView& view) {
   }
 }
 
-const RayCaster::Level& RayCaster::level_for(const RayBundle& bundle) const {
+std::size_t RayCaster::level_for(const RayBundle& bundle) const {
   const Volume& volume = *levels_.front().volume;
   const Eigen::Vector3d last =
       Eigen::Vector3i(volume.size[0] - 1, volume.size[1] - 1, volume.size[2] - 1).cast<double>();
@@ -464,12 +385,13 @@ const RayCaster::Level& RayCaster::level_for(const RayBundle& bundle) const {
          static_cast<double>(levels_[level + 1].step_mm) <= coarsest * apart_mm) {
     ++level;
   }
-  return levels_[level];
+  return level;
 }
 
 void RayCaster::cast(const RayBundle& bundle, Layer& seen) const {
-  const Level& level = level_for(bundle);
-  Scene scene = scene_of(*level.volume, bundle.color_from_ct);
+  const Level& level = levels_[level_for(bundle)];
+  Scene scene{ray_geometry(*level.volume, bundle.color_from_ct)};
+  scene.voxels = level.volume->hu.data();
   scene.bricks = level.bricks.size();
   scene.distances = level.distances.data();
   scene.opacity = level.table.opacity.data();
@@ -478,31 +400,21 @@ void RayCaster::cast(const RayBundle& bundle, Layer& seen) const {
   scene.surface_entry = level.table.surface_entry;
   scene.colors = level.table.colors.data();
   scene.step_mm = level.step_mm;
-  const PixelBox& box = seen.box;
-  const int stride = bundle.stride_px;
-  // One more than fits, so that each pixel lies between two.
-  const int width = (box.width - 1) / stride + (stride > 1 ? 2 : 1);
-  const int height = (box.height - 1) / stride + (stride > 1 ? 2 : 1);
-  std::vector<Rgba8> coarse(static_cast<std::size_t>(width) * height);
-  tbb::parallel_for(0, height, [&](int y) {
-    const int row = std::min(box.top + y * stride, box.top + box.height - 1);
-    for (int first = 0; first < width; first += kNumLanes) {
+  const RayRaster raster(seen.box, bundle.stride_px);
+  std::vector<Rgba8> colors(static_cast<std::size_t>(raster.width) * raster.height);
+  tbb::parallel_for(0, raster.height, [&](int y) {
+    for (int first = 0; first < raster.width; first += kNumLanes) {
       std::array<int, kNumLanes> columns{};
       for (int lane = 0; lane < kNumLanes; ++lane) {
-        columns[static_cast<std::size_t>(lane)] =
-            std::min(box.left + (first + lane) * stride, box.left + box.width - 1);
+        columns[static_cast<std::size_t>(lane)] = raster.column(first + lane);
       }
-      const auto colors = cast_packet(scene, bundle, columns, row);
-      std::copy_n(colors.begin(),
-                  std::min(kNumLanes, width - first),
-                  coarse.begin() + static_cast<std::ptrdiff_t>(y) * width + first);
+      const auto packet = cast_packet(scene, bundle, columns, raster.row(y));
+      std::copy_n(packet.begin(),
+                  std::min(kNumLanes, raster.width - first),
+                  colors.begin() + static_cast<std::ptrdiff_t>(y) * raster.width + first);
     }
   });
-  if (stride == 1) {
-    seen.pixels = std::move(coarse);
-  } else {
-    interpolate(coarse, width, stride, seen);
-  }
+  raster.spread(std::move(colors), seen);
 }
 
 }  // namespace mor::internal

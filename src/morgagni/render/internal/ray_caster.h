@@ -3,38 +3,16 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
-#include <Eigen/Geometry>
-
 #include "morgagni/render/internal/layer.h"
-#include "morgagni/render/internal/picture_rays.h"
+#include "morgagni/render/internal/ray_bundle.h"
 #include "morgagni/render/internal/transfer_table.h"
-#include "morgagni/render/internal/view_grid.h"
 #include "morgagni/render/internal/volume_bricks.h"
 
 namespace mor::internal {
-
-/// The rays of one picture.
-struct RayBundle {
-  const PictureRays* rays = nullptr;
-  Eigen::Isometry3d color_from_ct = Eigen::Isometry3d::Identity();
-  std::span<const Layer> layers = {};  ///< What the rays meet besides the volume.
-  /// Colour frame; the volume on the camera's side of it is not seen. None: all of it is.
-  std::optional<Eigen::Hyperplane<double, 3>> cut = {};
-  const ViewGrid* grid = nullptr;  ///< Where the skin is, and
-  float skin_mm = 0.0F;            ///< so much below it the rays begin and end. 0: beside it.
-  int stride_px = 1;  ///< One ray every so many pixels a side; between them it is interpolated.
-  float ray_spacing = 0.0F;  ///< Between neighbouring rays, of their length: voxels much finer than
-                             ///< that are taken from a coarser volume. 0: never.
-  bool is_still = true;      ///< Else somewhat coarser voxels will do.
-  std::function<bool(int x, int y)> is_open =
-      {};  ///< Pixels of which nothing is seen cost nothing.
-};
 
 /// Draws the CT's volume together with the layers, by rays from the camera (front to back, one
 /// sample a voxel, lit by the gradient), eight at a time. A sample stands for all HU between it and
@@ -52,11 +30,6 @@ class RayCaster {
   /// @param seen  Of the box that it has: the volume and the layers in one.
   void cast(const RayBundle& bundle, Layer& seen) const;
 
-  /// Of the volume as it is, without coarser copies.
-  [[nodiscard]] float step_mm() const { return levels_.front().step_mm; }
-  [[nodiscard]] const TransferTable& table() const { return levels_.front().table; }
-
- private:
   /// The volume, or a coarser copy of it, and what of it is seen.
   struct Level {
     explicit Level(std::shared_ptr<const Volume> voxels);
@@ -65,13 +38,23 @@ class RayCaster {
     VolumeBricks bricks;
     float step_mm;
     TransferTable table;
-    std::vector<std::uint8_t> distances;
+    std::vector<std::uint8_t> distances;  ///< Of bricks to what is seen; four bytes more.
   };
 
-  [[nodiscard]] const Level& level_for(const RayBundle& bundle) const;
+  [[nodiscard]] const std::vector<Level>& levels() const { return levels_; }
+  /// Number of the one that has the voxels for these rays.
+  [[nodiscard]] std::size_t level_for(const RayBundle& bundle) const;
+  /// Counts what set() changed.
+  [[nodiscard]] int revision() const { return revision_; }
 
+  /// Of the volume as it is, without coarser copies.
+  [[nodiscard]] float step_mm() const { return levels_.front().step_mm; }
+  [[nodiscard]] const TransferTable& table() const { return levels_.front().table; }
+
+ private:
   std::vector<Level> levels_;
   std::optional<VolumeView> view_;
+  int revision_ = 0;
 };
 
 }  // namespace mor::internal
