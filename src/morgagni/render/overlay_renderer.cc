@@ -11,6 +11,7 @@
 #include "morgagni/render/internal/camera_uniforms.h"
 #include "morgagni/render/internal/composition.h"
 #include "morgagni/render/internal/gl_context.h"
+#include "morgagni/render/internal/gl_ray_caster.h"
 #include "morgagni/render/internal/hole_wall.h"
 #include "morgagni/render/internal/occluders.h"
 #include "morgagni/render/internal/outlines.h"
@@ -84,6 +85,16 @@ class GlOverlayRenderer final : public OverlayRenderer {
                    kGhostColor);
   }
 
+  Result<void> choose_caster(VolumeCaster wanted) {
+    if (!volume_ || wanted == VolumeCaster::kCpu) return {};
+    if (wanted == VolumeCaster::kAutomatic &&
+        (context_->is_software() || !internal::GlRayCaster::can_hold(*volume_))) {
+      return {};
+    }
+    MOR_TRY(gl_ray_caster_, internal::GlRayCaster::create());
+    return {};
+  }
+
   Result<ImageView<const Rgba8>> render(ImageView<const Rgb8> color,
                                         const OverlayView& view) override {
     MOR_CHECK(internal::check_view(color, view));
@@ -122,7 +133,7 @@ class GlOverlayRenderer final : public OverlayRenderer {
     }
     inside_.clear(box);
     if (has_volume) {
-      cast_rays(view);
+      MOR_CHECK(cast_rays(view));
     } else {
       internal::merge_layers(layers_, inside_);
     }
@@ -174,7 +185,7 @@ class GlOverlayRenderer final : public OverlayRenderer {
     return {};
   }
 
-  void cast_rays(const OverlayView& view) {
+  Result<void> cast_rays(const OverlayView& view) {
     ray_caster_->set(view.volume);
     const bool is_lung = view.volume.preset == VolumePreset::kLung;
     if (is_lung) grid_.update_back(body_, *view.color_from_ct);
@@ -184,19 +195,22 @@ class GlOverlayRenderer final : public OverlayRenderer {
       const int most = most_rays(view.volume.preset);
       while (box.width * box.height > most * stride * stride) ++stride;
     }
-    ray_caster_->cast(
-        {.rays = &rays_,
-         .color_from_ct = *view.color_from_ct,
-         .layers = layers_,
-         .cut = cut_,
-         .grid = &grid_,
-         .skin_mm = is_lung ? kChestWallMm : 0.0F,
-         .stride_px = stride,
-         .ray_spacing = static_cast<float>(stride / std::max(view.color_camera.focal_x_px, 1.0)),
-         .is_still = view.is_still,
-         .is_open = [this, stride](
-                        int x, int y) { return mask_.reaches(x, y, static_cast<float>(stride)); }},
-        inside_);
+    const internal::RayBundle bundle{
+        .rays = &rays_,
+        .color_from_ct = *view.color_from_ct,
+        .layers = layers_,
+        .cut = cut_,
+        .grid = &grid_,
+        .skin_mm = is_lung ? kChestWallMm : 0.0F,
+        .stride_px = stride,
+        .ray_spacing = static_cast<float>(stride / std::max(view.color_camera.focal_x_px, 1.0)),
+        .is_still = view.is_still,
+        .is_open = [this, stride](int x, int y) {
+          return mask_.reaches(x, y, static_cast<float>(stride));
+        }};
+    if (gl_ray_caster_) return gl_ray_caster_->cast(*ray_caster_, bundle, inside_);
+    ray_caster_->cast(bundle, inside_);
+    return {};
   }
 
   [[nodiscard]] Eigen::Vector2f ray_at(const Eigen::Vector2f& share) const {
@@ -233,7 +247,8 @@ class GlOverlayRenderer final : public OverlayRenderer {
   ViewGrid grid_;
   Occluders occluders_;
   std::shared_ptr<const Volume> volume_;
-  std::optional<RayCaster> ray_caster_;  ///< None without a volume.
+  std::optional<RayCaster> ray_caster_;                 ///< None without a volume.
+  std::optional<internal::GlRayCaster> gl_ray_caster_;  ///< None where the CPU casts.
   std::optional<Eigen::Hyperplane<double, 3>> slice_plane_;
   std::optional<Eigen::Hyperplane<double, 3>> cut_;
   std::vector<Layer> layers_;
@@ -243,7 +258,8 @@ class GlOverlayRenderer final : public OverlayRenderer {
 
 }  // namespace
 
-Result<std::unique_ptr<OverlayRenderer>> OverlayRenderer::create(const RenderScene& scene) {
+Result<std::unique_ptr<OverlayRenderer>> OverlayRenderer::create(const RenderScene& scene,
+                                                                 const RendererOptions& options) {
   for (const auto& structure : scene.structures) {
     MOR_CHECK(internal::check_mesh(structure.name, structure.mesh));
   }
@@ -255,6 +271,7 @@ Result<std::unique_ptr<OverlayRenderer>> OverlayRenderer::create(const RenderSce
   auto renderer = std::make_unique<GlOverlayRenderer>(
       std::move(context), std::move(structure_layers), std::move(ghost_pass));
   renderer->add(scene);
+  MOR_CHECK(renderer->choose_caster(options.volume_caster));
   return renderer;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,6 +32,17 @@ struct RenderScene {
       {};  ///< Beside the body kOutsideHu. None: no slices, no volume rendering.
 };
 
+/// Who casts the volume's rays.
+enum class VolumeCaster : std::uint8_t {
+  kAutomatic,  ///< A GPU; where there is none, or its textures are too small, the CPU.
+  kCpu,
+  kOpenGl,  ///< The GL device, whatever it is: Mesa's software renderer is slower than kCpu.
+};
+
+struct RendererOptions {
+  VolumeCaster volume_caster = VolumeCaster::kAutomatic;
+};
+
 /// Draws the live picture: the colour frame with the inside of the body in its true place.
 ///
 /// Off-screen OpenGL 3.3 core on EGL: the first GPU that answers, else Mesa's software renderer.
@@ -39,7 +51,8 @@ class OverlayRenderer {
  public:
   /// @errors kDevice: no EGL, no OpenGL 3.3: says what was tried and which package has it.
   /// kInvalidArgument: a broken mesh or volume.
-  [[nodiscard]] static Result<std::unique_ptr<OverlayRenderer>> create(const RenderScene& scene);
+  [[nodiscard]] static Result<std::unique_ptr<OverlayRenderer>> create(
+      const RenderScene& scene, const RendererOptions& options = {});
   virtual ~OverlayRenderer() = default;
 
   /// @return Valid until the next call. Size of `color`.

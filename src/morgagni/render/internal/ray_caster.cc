@@ -183,16 +183,17 @@ void add_samples(const Scene& scene, Rays& rays, const Point& at, Floats depth_m
       gather_floats(scene.opacity_sum, entry) - gather_floats(scene.opacity_sum, before);
   const Floats mean = sum / real(between == 0 ? Ints{} + 1 : between);
   Floats opacity = between == 0 ? here : mean;
-  opacity = taken ? opacity : Floats{};
-  if (!any(opacity > kLeastOpacity)) {
+  opacity = taken & (opacity > kLeastOpacity) ? opacity : Floats{};
+  if (!any(opacity > 0.0F)) {
     rays.is_inside = taken ? Ints{} : rays.is_inside;
     return;
   }
   const Ints is_dense = real(entry) > all(scene.surface_entry);
   const Ints goes_on = is_dense & rays.is_inside;
-  Floats light = rays.light;
   const Floats share = opacity * (1.0F - rays.opacity);
-  if (any((share > kLeastLit) & ~goes_on)) {
+  Floats light = goes_on ? rays.light : kFlatLight * darkening(scene, depth_mm);
+  const Ints is_lit = (share > kLeastLit) & ~goes_on;
+  if (any(is_lit)) {
     // Lit where the surface is, not where the sample happens to be behind it: else there are rings.
     const Floats own = real(entry);
     const Floats last = real(before);
@@ -200,9 +201,7 @@ void add_samples(const Scene& scene, Rays& rays, const Point& at, Floats depth_m
     const Floats back = (own - scene.surface_entry) / (comes_in ? own - last : all(1.0F));
     const Floats lit_mm = comes_in ? depth_mm - back * rays.step_mm : depth_mm;
     const Floats fresh = light_of(scene, rays, place_at(scene, rays, lit_mm), lit_mm);
-    light = goes_on ? light : fresh;
-  } else {
-    light = goes_on ? light : all(kFlatLight) * darkening(scene, depth_mm);
+    light = is_lit ? fresh : light;
   }
   rays.light = light;
   rays.is_inside = taken ? is_dense : rays.is_inside;
