@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <utility>
 #include <vector>
 
@@ -32,7 +31,7 @@ constexpr std::size_t kMaxDetails = 16000;  ///< A frame is aligned on.
 constexpr std::size_t kFewTexels = 50;
 constexpr float kClearlyBetter = 1.12F;  ///< Else a texel keeps its frame: fewer borders.
 constexpr double kLeastSkinShare = 0.01;
-constexpr std::size_t kRecentFrames = 40;
+constexpr std::size_t kFewInCommon = 300;  ///< Texels to compare sharpness on.
 constexpr double kExposureS = 1.0 / 60.0;  ///< Taken for what no camera tells.
 constexpr double kFrameS = 1.0 / 30.0;
 /// A bound holds errors that all frames share; from frame to frame poses differ by much less.
@@ -46,6 +45,7 @@ struct TexelState {
   Vector3f color = Vector3f::Zero();  ///< In the texture's exposure.
   Vector3f soft = Vector3f::Zero();   ///< Of its surroundings in the same frame.
   float worth = 0.0F;                 ///< 0: never seen.
+  float sharpness = 1.0F;             ///< Of its frame, against the first frame's.
   TexelSource source;
 };
 
@@ -149,8 +149,9 @@ struct TextureFusion::Impl {
   /// How far the picture has moved since the frame before, px/s. None: not known.
   std::optional<double> speed_px_per_s(const RgbdFrame& frame,
                                        const Eigen::Isometry3d& color_from_ct);
-  /// Relative to the sharpest of late, in [0.3, 1].
-  float relative_sharpness(double sharpness);
+  /// How much detail the frame has, against the first frame's: compared with what the texture has
+  /// at the same places, whose frames' own sharpness is known.
+  float sharpness_of(const FrameLook& look, float gain) const;
   bool align(FrameLook& look,
              const Eigen::Isometry3d& color_from_ct,
              const Vector3f& gains,
@@ -158,7 +159,10 @@ struct TextureFusion::Impl {
   std::vector<Candidate> candidates(const FrameLook& look,
                                     const Vector3f& gains,
                                     float frame_worth) const;
-  void take(const FrameLook& look, const std::vector<Candidate>& candidates, const Vector3f& gains);
+  void take(const FrameLook& look,
+            const std::vector<Candidate>& candidates,
+            const Vector3f& gains,
+            float sharpness);
   void restore_soft_layer();
 
   std::shared_ptr<const SkinAtlas> atlas;
@@ -170,7 +174,6 @@ struct TextureFusion::Impl {
   std::uint64_t version = 0;
   Vector3f last_gains = Vector3f::Ones();
   std::optional<double> last_shift_mm;
-  std::deque<double> recent_sharpness;
   std::optional<std::pair<TimePoint, Eigen::Isometry3d>> last_seen;
 };
 
@@ -187,12 +190,29 @@ std::optional<double> TextureFusion::Impl::speed_px_per_s(const RgbdFrame& frame
   return (*now_px - *before_px).norm() / passed_s;
 }
 
-float TextureFusion::Impl::relative_sharpness(double sharpness) {
-  recent_sharpness.push_back(sharpness);
-  if (recent_sharpness.size() > kRecentFrames) recent_sharpness.pop_front();
-  const double best = *std::max_element(recent_sharpness.begin(), recent_sharpness.end());
-  if (best <= 0.0) return 1.0F;
-  return static_cast<float>(std::clamp(std::sqrt(sharpness / best), 0.3, 1.0));
+float TextureFusion::Impl::sharpness_of(const FrameLook& look, float gain) const {
+  const std::size_t step = std::max<std::size_t>(1, texels.size() / kMaxDetails);
+  double of_frame = 0.0;
+  double of_texture = 0.0;
+  double sharpness = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < texels.size(); i += step) {
+    const auto& state = states[i];
+    if (state.worth <= 0.0F) continue;
+    const auto sight = look.sight(texels[i].at_mm, texels[i].normal);
+    if (!sight) continue;
+    const Eigen::Vector4f soft = look.soft_color(*sight);
+    if (soft.w() < 0.5F) continue;
+    const float here = gain * (brightness(look.color(*sight)) - brightness(soft.head<3>()));
+    const float before = brightness(state.color) - brightness(state.soft);
+    of_frame += static_cast<double>(here * here);
+    of_texture += static_cast<double>(before * before);
+    sharpness += static_cast<double>(state.sharpness);
+    ++count;
+  }
+  if (count < kFewInCommon || of_texture <= 0.0) return 1.0F;
+  const double ratio = std::clamp(std::sqrt(of_frame / of_texture), 0.25, 4.0);
+  return static_cast<float>(std::clamp(ratio * sharpness / static_cast<double>(count), 0.1, 10.0));
 }
 
 bool TextureFusion::Impl::align(FrameLook& look,
@@ -246,7 +266,8 @@ std::vector<TextureFusion::Impl::Candidate> TextureFusion::Impl::candidates(
 
 void TextureFusion::Impl::take(const FrameLook& look,
                                const std::vector<Candidate>& candidates,
-                               const Vector3f& gains) {
+                               const Vector3f& gains,
+                               float sharpness) {
   const auto frame = static_cast<std::uint32_t>(frames.size() - 1);
   for (const auto& [texel, sight, soft, worth] : candidates) {
     states[texel] = {.color = look.color(sight).cwiseProduct(gains),
@@ -285,8 +306,8 @@ FusionOutcome TextureFusion::Impl::add(const RgbdFrame& frame,
       samples, gains, std::chrono::duration<double>(frame.captured_at.time_since_epoch()).count());
   const double smear_px = speed.value_or(0.0) * kExposureS;
   const double sureness = 1.0 / (1.0 + bound_mm * bound_mm / 9.0);
-  const auto frame_worth = static_cast<float>(sureness / (1.0 + smear_px * smear_px)) *
-                           relative_sharpness(look.sharpness());
+  const float sharpness = sharpness_of(look, gains.mean());
+  const auto frame_worth = static_cast<float>(sureness / (1.0 + smear_px * smear_px)) * sharpness;
   const auto better = candidates(look, gains, frame_worth);
   ++version;
   if (better.size() < kFewTexels) return FusionOutcome::kNothingNew;
@@ -295,7 +316,7 @@ FusionOutcome TextureFusion::Impl::add(const RgbdFrame& frame,
                     .ct_from_color = look.color_from_ct().cast<double>().inverse(),
                     .bound_mm = bound_mm});
   frames.back().ct_from_color = orthonormalized(frames.back().ct_from_color);
-  take(look, better, gains);
+  take(look, better, gains, sharpness);
   return FusionOutcome::kFused;
 }
 
@@ -389,6 +410,7 @@ Result<void> TextureFusion::restore(const SkinTexture& texture) {
     impl_->states[i] = {.color = to_vector(texture.color.data()[pixel]),
                         .soft = Vector3f::Zero(),
                         .worth = std::max(0.8F * source.px_per_mm, 1e-3F),
+                        .sharpness = 1.0F,
                         .source = source};
   }
   impl_->restore_soft_layer();
@@ -401,7 +423,6 @@ void TextureFusion::clear() {
   impl_->frames.clear();
   impl_->last_gains = Vector3f::Ones();
   impl_->last_shift_mm.reset();
-  impl_->recent_sharpness.clear();
   impl_->last_seen.reset();
   ++impl_->version;
 }

@@ -282,6 +282,81 @@ TEST(TextureFusion, StaysSharpWhenPosesJitter) {
   EXPECT_LT(scatter(texture), 0.5 * scatter(held.texture()));
 }
 
+/// Out of focus: each pixel the mean of those around it.
+RgbdFrame blurred(const RgbdFrame& frame) {
+  RgbdFrame result = frame;
+  constexpr int kRadius = 3;
+  for (int y = kRadius; y + kRadius < frame.color.height(); ++y) {
+    for (int x = kRadius; x + kRadius < frame.color.width(); ++x) {
+      Eigen::Vector3i sum = Eigen::Vector3i::Zero();
+      for (int dy = -kRadius; dy <= kRadius; ++dy) {
+        for (int dx = -kRadius; dx <= kRadius; ++dx) {
+          const auto& [r, g, b] = frame.color(x + dx, y + dy);
+          sum += Eigen::Vector3i(r, g, b);
+        }
+      }
+      sum /= (2 * kRadius + 1) * (2 * kRadius + 1);
+      result.color(x, y) = {static_cast<std::uint8_t>(sum.x()),
+                            static_cast<std::uint8_t>(sum.y()),
+                            static_cast<std::uint8_t>(sum.z())};
+    }
+  }
+  return result;
+}
+
+TEST(TextureFusion, SharpensWhenASharperPictureComesAndStaysSharp) {
+  const auto from = camera("path=still");
+  auto sharp = fusion();
+  melt(sharp, *from, 0);
+  auto melting = fusion();
+  const auto pose = from->ct_from_camera(0);
+  EXPECT_EQ(melting.add(blurred(*from->frame_at(0)), pose, 0.5, 0).value(), FusionOutcome::kFused);
+  const auto soft = melting.texture();
+  EXPECT_EQ(melt(melting, *from, 1), FusionOutcome::kFused);
+  const auto first = gradient_energies({soft, melting.texture(), sharp.texture()});
+  EXPECT_LT(first[0], 0.5 * first[2]);
+  EXPECT_GT(first[1], 0.9 * first[2]);
+  // A blurred one after it gives what was not seen at all, and nothing else.
+  ASSERT_TRUE(melting.add(blurred(*from->frame_at(2)), pose, 0.5, 0).has_value());
+  const auto last = gradient_energies({melting.texture(), sharp.texture()});
+  EXPECT_GT(last[0], 0.9 * last[1]);
+}
+
+TEST(TextureFusion, TakesTwoCamerasThatLookFromDifferentPlaces) {
+  // Depth from a quarter of an orbit further than colour: each is right at its own pose.
+  const auto from = camera("path=orbit,fps=2");
+  const auto color = from->frame_at(0);
+  const auto depth = from->frame_at(16);
+  RgbdFrame frame = *color;
+  frame.depth_mm = depth->depth_mm;
+  auto calibration = *color->calibration;
+  calibration.color_from_depth = from->ct_from_camera(0).inverse() * from->ct_from_camera(16);
+  frame.calibration = std::make_shared<const RgbdCalibration>(calibration);
+  auto melting = fusion();
+  ASSERT_EQ(melting.add(frame, from->ct_from_camera(16), 0.5, 0).value(), FusionOutcome::kFused);
+  auto expected = fusion();
+  melt(expected, *from, 0);
+  const auto texture = melting.texture();
+  EXPECT_TRUE(texture.frames[0].ct_from_color.isApprox(from->ct_from_camera(0), 1e-5));
+  EXPECT_GT(seen_share(texture), 0.5 * seen_share(expected.texture()));
+  EXPECT_LT(share_at(differences(texture, expected.texture()), 0.99), 6.0);
+}
+
+TEST(TextureFusion, UsesAFinerColourCameraFully) {
+  const auto depth = camera("path=still,seed=3")->frame_at(0);
+  const auto fine = camera("path=still,seed=3,width=1280,height=960");
+  RgbdFrame frame = *fine->frame_at(0);
+  frame.depth_mm = depth->depth_mm;
+  frame.calibration = std::make_shared<const RgbdCalibration>(RgbdCalibration{
+      depth->calibration->depth, frame.calibration->color, Eigen::Isometry3d::Identity()});
+  auto melting = fusion();
+  ASSERT_EQ(melting.add(frame, fine->ct_from_camera(0), 0.5, 0).value(), FusionOutcome::kFused);
+  auto coarse = fusion();
+  ASSERT_EQ(coarse.add(*depth, fine->ct_from_camera(0), 0.5, 0).value(), FusionOutcome::kFused);
+  const auto energies = gradient_energies({melting.texture(), coarse.texture()});
+  EXPECT_GT(energies[0], 1.1 * energies[1]);
+}
+
 TEST(TextureFusion, TakesColourPicturesOfOddSizes) {
   for (const char* keys : {"path=still,width=641,height=479", "path=still,width=1281,height=721"}) {
     const auto from = camera(keys);

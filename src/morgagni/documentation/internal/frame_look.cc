@@ -144,7 +144,6 @@ FrameLook::FrameLook(const RgbdFrame& frame,
   compare_depth(frame, options);
   if (skin_share_ == 0.0) return;
   soften(frame);
-  measure_sharpness();
 }
 
 void FrameLook::compare_depth(const RgbdFrame& frame, const Options& options) {
@@ -253,31 +252,6 @@ void FrameLook::soften(const RgbdFrame& frame) {
     box_blur(sums, radius, false);
   }
   soft_ = std::move(sums);
-}
-
-void FrameLook::measure_sharpness() {
-  const int step = std::max(1, static_cast<int>(std::lround(color_scale_)));
-  const auto green = [&](int x, int y) { return static_cast<double>(frame_.color(x, y).g); };
-  double energy = 0.0;
-  double brightness = 0.0;
-  std::size_t count = 0;
-  for (int y = 2; y + 3 < is_skin_.height(); y += 2) {
-    for (int x = 2; x + 3 < is_skin_.width(); ++x) {
-      if (is_skin_(x, y) == 0) continue;
-      const int column = static_cast<int>(x * color_scale_);
-      const int row = static_cast<int>(y * color_scale_);
-      if (!frame_.color.view().contains(column + step, row + step)) continue;
-      // Over two pixels, or grain would count for more than detail.
-      const double across = green(column + step, row) + green(column, row) -
-                            green(column - step, row) - green(std::max(column - 2 * step, 0), row);
-      energy += across * across;
-      brightness += green(column, row);
-      ++count;
-    }
-  }
-  if (count == 0 || brightness <= 0.0) return;
-  const double mean = brightness / static_cast<double>(count);
-  sharpness_ = energy / static_cast<double>(count) / (mean * mean);
 }
 
 std::optional<SkinSight> FrameLook::sight(const Vector3f& at_ct, const Vector3f& normal) const {

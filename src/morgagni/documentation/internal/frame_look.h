@@ -57,18 +57,12 @@ class FrameLook {
   /// The same without details smaller than some 12 mm, and the share of the surroundings that is
   /// skin. Share 0: there is none.
   [[nodiscard]] Eigen::Vector4f soft_color(const SkinSight& sight) const;
-  /// Mean squared step of brightness between neighbours on the skin, relative to its brightness:
-  /// less where the picture is out of focus or smeared.
-  [[nodiscard]] double sharpness() const { return sharpness_; }
   [[nodiscard]] double skin_share() const { return skin_share_; }
-  [[nodiscard]] double middle_distance_mm() const { return middle_distance_mm_; }
-  [[nodiscard]] const Image<std::uint8_t>& is_skin() const { return is_skin_; }
   [[nodiscard]] const PinholeCamera& camera() const { return color_camera_; }
 
  private:
   void compare_depth(const RgbdFrame& frame, const Options& options);
   void soften(const RgbdFrame& frame);
-  void measure_sharpness();
 
   const RgbdFrame& frame_;
   PinholeCamera color_camera_;
@@ -81,7 +75,6 @@ class FrameLook {
   /// Colours without details, times the share of their surroundings that is skin; and that share.
   /// Half the look's resolution.
   Image<Eigen::Vector4f> soft_;
-  double sharpness_ = 0.0;
   double skin_share_ = 0.0;
   double middle_distance_mm_ = 0.0;
 };
