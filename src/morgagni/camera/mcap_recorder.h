@@ -50,7 +50,7 @@ struct McapRecorderOptions {
 /// moment, and after a power cut or `kill -9` up to the last chunk.
 /// Stamps are wall time: the first frame's is read from the clock, the others follow by
 /// `captured_at`, to the nanosecond.
-/// @threads None of its own; one call at a time. @cost 6 ms a 640x480 frame, most of it the JPEG.
+/// @threads None of its own; one call at a time. @cost CPU 2.5 ms a 640x480 frame, 20 ms lossless.
 class McapRecorder {
  public:
   /// @errors kInvalidArgument (bad options, the file exists), kIo.

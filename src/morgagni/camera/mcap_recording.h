@@ -25,7 +25,7 @@ class McapRecording final : public Recording {
   [[nodiscard]] std::size_t size() const override;
   [[nodiscard]] std::chrono::nanoseconds since_start(std::size_t i) const override;
   [[nodiscard]] const std::shared_ptr<const RgbdCalibration>& calibration() const override;
-  /// One call at a time; in order it is quick (2 ms), elsewhere a chunk is unpacked first.
+  /// One call at a time; in order it is quick (1.5 ms), else a chunk is unpacked first.
   [[nodiscard]] Result<std::shared_ptr<const RgbdFrame>> read(std::size_t i) const override;
 
   /// When frame `i` was captured, wall time since 1970.
