@@ -15,11 +15,11 @@ export class RecordingPanel {
   private state: RecordingState | undefined;
   private busy = false;
   private readonly line = h('p', { class: 'recording-line', role: 'status' });
-  private readonly key = button('Record', 'record', () => void this.press());
+  private readonly key = button('Record for replay', 'record', () => void this.press());
 
   constructor(private readonly toast: Toast) {
-    this.element = h('section', { class: 'group', 'aria-label': 'Recording' },
-      h('h2', {}, 'Recording'), this.key, this.line);
+    this.element = h('section', { class: 'group', 'aria-label': 'Sensor recording' },
+      h('h2', {}, 'Sensor recording'), this.key, this.line);
     this.paint();
     setInterval(() => void this.refresh(), REFRESH_MS);
     void this.refresh();
@@ -55,7 +55,7 @@ export class RecordingPanel {
     const recording = this.state?.recording === true;
     this.key.classList.toggle('recording', recording);
     this.key.setAttribute('aria-pressed', String(recording));
-    setText(this.key.querySelector('span')!, recording ? 'Stop recording' : 'Record');
+    setText(this.key.querySelector('span')!, recording ? 'Stop recording' : 'Record for replay');
     setText(this.line, recordingLine(this.state));
   }
 }
