@@ -18,6 +18,7 @@ pkg_check_modules(GSTREAMER REQUIRED IMPORTED_TARGET
 pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(PANGOCAIRO REQUIRED IMPORTED_TARGET pangocairo cairo-pdf)
+pkg_check_modules(LIBZIP REQUIRED IMPORTED_TARGET libzip)
 pkg_check_modules(SOUP REQUIRED IMPORTED_TARGET libsoup-3.0)
 find_library(YUV_LIBRARY yuv REQUIRED)
 
@@ -27,6 +28,8 @@ find_path(OPENNI2_INCLUDE_DIR OniCAPI.h PATH_SUFFIXES openni2 REQUIRED)
 
 if(MORGAGNI_BUILD_TESTS)
   find_package(GTest REQUIRED)
+  find_package(assimp REQUIRED)  # It and lib3mf read exported files.
+  pkg_check_modules(LIB3MF REQUIRED IMPORTED_TARGET lib3MF)
 endif()
 if(MORGAGNI_BUILD_BENCHMARKS)
   find_package(benchmark REQUIRED)

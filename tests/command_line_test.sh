@@ -27,7 +27,7 @@ expect() {
 expect 0 "Example, from a CT to a live picture" --help
 expect 0 "Not a medical device" --help
 expect 0 "morgagni 0." --version
-for command in prepare serve record evaluate doctor; do
+for command in prepare serve record document evaluate doctor; do
   expect 0 "morgagni $command" "$command" --help
 done
 expect 0 "OpenCL (--device of the icp methods)" doctor
@@ -64,6 +64,10 @@ expect 2 "--start" serve --case "$scratch/missing" --start magic
 expect 1 "no such case folder" evaluate bound --case "$scratch/missing"
 expect 1 "no such case folder" evaluate studies --case "$scratch/missing" --out "$scratch/s"
 expect 2 "--poses" evaluate studies --case "$scratch/missing" --out "$scratch/s" --poses 0
+expect 1 "no such case folder" document --case "$scratch/missing"
+expect 1 '--formats must be of glb, obj, ply, stl, 3mf, viewer, pdf, got "docx"' document --case "$scratch/missing" --formats docx
+expect 1 "wall_mm must be 0.5 to 20, got 0" document --case "$scratch/missing" --wall-mm 0
+expect 2 "--print" document --case "$scratch/missing" --print solid
 expect 1 "no such case folder" record --case "$scratch/missing" --out "$scratch/r"
 expect 1 "--case is needed" record --out "$scratch/r.mcap"
 expect 1 "nowhere.mcap" record --camera "mcap:$scratch/nowhere.mcap" --out "$scratch/r.mcap"

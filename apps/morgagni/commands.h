@@ -14,6 +14,7 @@ void add_prepare_command(CLI::App& app);
 void add_serve_command(CLI::App& app);
 void add_record_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
+void add_document_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
 
 }  // namespace mor

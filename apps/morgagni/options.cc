@@ -65,6 +65,12 @@ Result<SimulatedCameraOptions> simulated_camera_option(const std::string& name) 
   return SimulatedCameraOptions::parse(std::string_view(name).substr(kKind.size()));
 }
 
+std::filesystem::path default_web_root() {
+  std::error_code status;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", status);
+  return program.parent_path() / ".." / "web";
+}
+
 Result<BodySide> side_option(const std::string& name) {
   if (const auto side = parse_body_side(name)) return *side;
   return make_error(

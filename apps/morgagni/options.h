@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -23,6 +24,9 @@ void add_registration_options(CLI::App& command, RegistrationOptions& options);
 /// @errors kInvalidArgument: another word than the known ones.
 /// What `--camera simulated:key=value,...` says, for commands that need the simulation's truth.
 [[nodiscard]] Result<SimulatedCameraOptions> simulated_camera_option(const std::string& name);
+
+/// The page as built: beside the program in the build tree.
+[[nodiscard]] std::filesystem::path default_web_root();
 
 [[nodiscard]] Result<BodySide> side_option(const std::string& name);
 

@@ -34,13 +34,6 @@ const std::map<std::string, TrackingGate> kGates = {{"evidence", TrackingGate::k
 const std::map<std::string, StartMethod> kStarts = {{"automatic", StartMethod::kAutomatic},
                                                     {"placement", StartMethod::kPlacement}};
 
-/// The page as built: beside the program in the build tree.
-std::filesystem::path default_web_root() {
-  std::error_code status;
-  const auto program = std::filesystem::read_symlink("/proc/self/exe", status);
-  return program.parent_path() / ".." / "web";
-}
-
 void serve(Arguments& arguments) {
   auto& options = arguments.options;
   options.camera_name = arguments.camera;

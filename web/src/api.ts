@@ -122,6 +122,24 @@ export interface TextureInfo {
   problem: string | null;
 }
 
+/** Models, viewer and report: how far they are, and what was made last. */
+export interface Documents {
+  state: 'idle' | 'running' | 'done' | 'failed' | 'stopped';
+  stage: string;
+  fraction: number;
+  error: string | null;
+  folder: string | null;
+  files: { name: string; bytes: number; sha256: string }[];
+  remarks: string[];
+}
+
+export interface DocumentWishes {
+  formats: string[];
+  print: 'filled' | 'shell';
+  wall_mm: number;
+  author: string;
+}
+
 /** Says what to do next, in the server's words. */
 export class ApiError extends Error {}
 
@@ -161,6 +179,9 @@ export const api = {
     call<LandmarkSolution>('/api/landmarks/solve', { pairs }),
   acceptLandmarks: (pairs: LandmarkPair[]) =>
     call<object>('/api/landmarks/accept', { pairs }),
+  documents: () => call<Documents>('/api/documents'),
+  makeDocuments: (wishes: DocumentWishes) => call<Documents>('/api/documents', wishes),
+  stopDocuments: () => call<Documents>('/api/documents/stop', {}),
   cancelLandmarks: () => call<object>('/api/landmarks/cancel', {}),
   getRecording: () => call<RecordingState>('/api/recording'),
   startRecording: () => call<RecordingState>('/api/recording/start', {}),
@@ -170,6 +191,10 @@ export const api = {
   clearTexture: () => call<object>('/api/texture/clear', {}),
   saveTexture: () => call<object>('/api/texture/save', {}),
 };
+
+export function documentUrl(name: string): string {
+  return `/api/documents/file?name=${encodeURIComponent(name)}`;
+}
 
 export function skinViewUrl(viewpoint: SkinViewpoint): string {
   const query = new URLSearchParams(

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 import { api, listenToStatus, type CaseInfo, type Status, type View } from './api';
 import { Controls } from './controls';
+import { DocumentsPanel } from './documents_panel';
 import { h, setText } from './dom';
 import { FindingsPanel } from './findings_panel';
 import { grabFrame, type GrabbedFrame } from './frame_grabber';
@@ -89,6 +90,7 @@ export class App {
     this.tabs.add('findings', this.findings.element);
     this.tabs.add('take-away', this.takeaway.element);
     this.tabs.add('take-away', new RecordingPanel(this.toast).element);
+    this.tabs.add('take-away', new DocumentsPanel(this.toast).element);
     const self = this;
     this.inspection = {
       live: this.live,

@@ -10,6 +10,7 @@
 
 #include "morgagni/core/folder_lock.h"
 #include "morgagni/session/api_json.h"
+#include "morgagni/session/documents_routes.h"
 #include "morgagni/session/findings_routes.h"
 #include "morgagni/session/live_api.h"
 #include "morgagni/session/recorder_routes.h"
@@ -100,6 +101,7 @@ Result<std::unique_ptr<LiveSession>> LiveSession::start(Case body,
       make_texture_routes(texture),
       make_recorder_routes(recorder),
       make_still_routes(shared_body, loop),
+      make_documents_routes(shared_body, options.server.web_root),
   });
   MOR_TRY(auto server, LiveServer::start(options.server, std::move(routes)));
   MOR_CHECK(
