@@ -34,13 +34,13 @@ export class TexturePanel {
       section('Fused texture',
         h('div', { class: 'texture-head' }, this.percent, h('span', {}, 'of the skin recorded')),
         h('div', { class: 'texture-bar' }, this.bar),
+        this.advice, this.recordKey,
+        h('div', { class: 'texture-keys' }, this.saveKey, this.againKey), this.saved,
         h('figure', {
           class: 'texture-figure', role: 'img',
           'aria-label': 'The body from four sides; what was not recorded yet is striped',
         }, ...this.rows.flatMap((row, i) => [row, h('figcaption', {},
-          ...SIDES.slice(2 * i, 2 * i + 2).map((side) => h('span', {}, side)))])),
-        this.advice, this.recordKey,
-        h('div', { class: 'texture-keys' }, this.saveKey, this.againKey), this.saved));
+          ...SIDES.slice(2 * i, 2 * i + 2).map((side) => h('span', {}, side)))]))));
     this.show(undefined);
     setInterval(() => void this.poll(), POLL_MS);
   }
