@@ -115,7 +115,11 @@ export class DocumentsPanel {
 
   private showFiles(documents: Documents): void {
     this.shownFolder = documents.folder;
-    this.files.replaceChildren(...documents.files.map(({ name, bytes }) =>
+    // What people open first stands first.
+    const order = Object.keys(WORDS);
+    const rank = (name: string): number => (name in WORDS ? order.indexOf(name) : order.length);
+    const files = [...documents.files].sort((a, b) => rank(a.name) - rank(b.name));
+    this.files.replaceChildren(...files.map(({ name, bytes }) =>
       h('a', { class: 'file', href: documentUrl(name), download: name },
         icon('takeAway'), h('span', {}, WORDS[name] ?? name), h('span', { class: 'size' }, sizeWords(bytes)))));
     this.remarks.replaceChildren(...documents.remarks.map((remark) => h('p', { class: 'tip' }, remark)));
