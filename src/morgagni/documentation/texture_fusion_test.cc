@@ -342,6 +342,43 @@ TEST(TextureFusion, TakesTwoCamerasThatLookFromDifferentPlaces) {
   EXPECT_LT(share_at(differences(texture, expected.texture()), 0.99), 6.0);
 }
 
+TEST(TextureFusion, UndoesLensDistortion) {
+  const auto from = camera("path=still,noise=0");
+  const RgbdFrame ideal = *from->frame_at(0);
+  // The colour camera looks past the body, which lies where the lens bends by some pixels.
+  auto calibration = *ideal.calibration;
+  const Eigen::AngleAxisd turned(0.33, Eigen::Vector3d::UnitY());
+  calibration.color_from_depth = turned * calibration.color_from_depth;
+  const auto straight = calibration;
+  calibration.color.distortion = {-0.28, 0.09, 0.001, -0.0008, 0.0};
+  RgbdFrame bent = ideal;
+  bent.calibration = std::make_shared<const RgbdCalibration>(calibration);
+  for (int y = 0; y < ideal.color.height(); ++y) {
+    for (int x = 0; x < ideal.color.width(); ++x) {
+      const Eigen::Vector2d ray = calibration.color.ray({x, y});
+      const Eigen::Vector3d as_before = turned.inverse() * Eigen::Vector3d(ray.x(), ray.y(), 1.0);
+      const auto at = ideal.calibration->color.project(as_before).value_or(Eigen::Vector2d(-9, -9));
+      const int column = static_cast<int>(std::lround(at.x()));
+      const int row = static_cast<int>(std::lround(at.y()));
+      const bool is_inside = ideal.color.view().contains(column, row);
+      bent.color(x, y) = is_inside ? ideal.color(column, row) : Rgb8{};
+    }
+  }
+  auto expected = fusion();
+  ASSERT_EQ(melt(expected, *from, 0), FusionOutcome::kFused);
+  auto melting = fusion();
+  ASSERT_EQ(melting.add(bent, from->ct_from_camera(0), 0.5, 0).value(), FusionOutcome::kFused);
+  const auto off = differences(melting.texture(), expected.texture());
+  ASSERT_GT(off.size(), 5'000U);
+  EXPECT_LT(share_at(off, 0.9), 10.0) << "a pixel of rounding, no more";
+  // Read as if the lens were straight, the same picture lies out of place.
+  bent.calibration = std::make_shared<const RgbdCalibration>(straight);
+  auto unaware = fusion();
+  ASSERT_EQ(unaware.add(bent, from->ct_from_camera(0), 0.5, 0).value(), FusionOutcome::kFused);
+  const auto out_of_place = differences(unaware.texture(), expected.texture());
+  EXPECT_GT(share_at(out_of_place, 0.9), 2.0 * share_at(off, 0.9));
+}
+
 TEST(TextureFusion, UsesAFinerColourCameraFully) {
   const auto depth = camera("path=still,seed=3")->frame_at(0);
   const auto fine = camera("path=still,seed=3,width=1280,height=960");
