@@ -28,7 +28,7 @@ const LABEL_HEIGHT = 19;
 export function freeLine(labels: [number, number][], x: number, y: number, px: number): number {
   let line = y;
   const covers = ([other_x, other_y]: [number, number]): boolean =>
-    Math.abs(other_x - x) < LABEL_WIDTH * px && Math.abs(other_y - line) < LABEL_HEIGHT * px;
+    Math.abs(other_x - x) < LABEL_WIDTH * px && Math.abs(other_y - line) < 0.9 * LABEL_HEIGHT * px;
   for (let i = 0; i < 8 && labels.some(covers); ++i) line += LABEL_HEIGHT * px;
   labels.push([x, line]);
   return line;
@@ -87,13 +87,14 @@ export class FindingMarks {
     group.classList.toggle('chosen', mark.id !== '' && mark.id === this.chosen);
     // A pixel's centre lies half a pixel from its corner.
     const at = ([x, y]: Place): [number, number] => [x + 0.5, y + 0.5];
-    for (let i = 1; i < mark.line.length; ++i) {
-      const [a, b] = [mark.line[i - 1]!, mark.line[i]!];
-      const [x1, y1] = at(a);
-      const [x2, y2] = at(b);
-      const dim = a[2] && b[2] ? ' dim' : '';
-      group.append(svg('line', { 'class': `under${dim}`, x1, y1, x2, y2 }),
-        svg('line', { 'class': `over${dim}`, x1, y1, x2, y2 }));
+    // All rims lie below all lines: a bent line is one line.
+    for (const layer of ['under', 'over']) {
+      for (let i = 1; i < mark.line.length; ++i) {
+        const [a, b] = [mark.line[i - 1]!, mark.line[i]!];
+        const [x1, y1] = at(a);
+        const [x2, y2] = at(b);
+        group.append(svg('line', { 'class': `${layer}${a[2] && b[2] ? ' dim' : ''}`, x1, y1, x2, y2 }));
+      }
     }
     for (const place of mark.points) {
       const [cx, cy] = at(place);

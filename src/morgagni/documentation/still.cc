@@ -155,6 +155,14 @@ std::string bound_words(const StillWords& words) {
   return fmt::format("error below {:.1f} mm (95 % of cases)", *words.bound_mm);
 }
 
+/// "2026-11-26 16:20:05 UTC", for people.
+std::string time_words(std::string taken_at) {
+  if (taken_at.size() != 20 || taken_at[10] != 'T' || taken_at[19] != 'Z') return taken_at;
+  taken_at[10] = ' ';
+  taken_at.replace(19, 1, " UTC");
+  return taken_at;
+}
+
 void draw_scale(const Sheet& sheet,
                 const Look& look,
                 const StillWords& words,
@@ -252,8 +260,11 @@ Image<Rgb8> burned_in(ImageView<const Rgba8> picture, const StillWords& words, i
   const double u = 0.019 * width;
   draw_marks(sheet, u, words, factor);
   const double gap = 0.7 * u;
-  const auto first = sheet.words(
-      fmt::format("{}   {}", words.case_name, words.taken_at), u, true, width - 2.0 * gap);
+  const auto first =
+      sheet.words(fmt::format("{}   {}", words.case_name, time_words(words.taken_at)),
+                  u,
+                  true,
+                  width - 2.0 * gap);
   const auto second = sheet.words(
       fmt::format("{}, {}", words.state, bound_words(words)), 0.85 * u, false, width - 2.0 * gap);
   sheet.fill(0, 0, width, first.height + second.height + 1.2 * gap, kShade);
@@ -293,7 +304,7 @@ Image<Rgb8> beside(ImageView<const Rgba8> picture, const StillWords& words, int 
     y += line.height + 0.25 * u;
   };
   write(words.case_name, 1.1 * u, true);
-  write(words.taken_at, 0.9 * u, false);
+  write(time_words(words.taken_at), 0.9 * u, false);
   write(fmt::format("{}, {}", words.state, bound_words(words)), 0.9 * u, false);
   write(words.made_by, 0.75 * u, false);
   write("Not a medical device", 0.75 * u, true);

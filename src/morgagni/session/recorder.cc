@@ -205,9 +205,15 @@ Result<double> Recorder::finish_files(const std::string& name,
     if (!status) return {};
     return make_error(ErrorCode::kIo, fmt::format("{}: {}", to.string(), status.message()));
   };
+  std::error_code status_of_file;
+  if (fs::file_size(part.video, status_of_file) == 0) {
+    fs::remove(part.video, status_of_file);
+    fs::remove(part.pictures, status_of_file);
+    return make_error(ErrorCode::kIo,
+                      "no picture came while the video was recorded: there is none");
+  }
   if (!is_broken) {
     const auto num_pictures = status().video.num_pictures;
-    if (num_pictures == 0) return make_error(ErrorCode::kIo, "no picture came meanwhile");
     MOR_TRY(const double seconds,
             write_evidence(name, {part.video, part.pictures, num_pictures, how}));
     MOR_CHECK(moved(part.pictures, whole.pictures));
@@ -235,8 +241,10 @@ void Recorder::finish(const std::string& name, const std::string& problem, bool 
   const auto seconds = finish_files(name, how, is_left_over || !problem.empty());
   std::string said;
   if (!seconds) {
-    const std::string why = problem.empty() ? seconds.error().message : problem;
-    said = fmt::format("{}. The video so far stays in {}.part.webm.", why, name);
+    std::error_code status;
+    const bool is_there = fs::exists(part_files(folder_, name).video, status);
+    said = (problem.empty() ? seconds.error().message : problem) + ".";
+    if (is_there) said += fmt::format(" The video so far stays in {}.part.webm.", name);
   } else if (is_left_over) {
     said = fmt::format("{}.webm was left unfinished; it is repaired, {:.0f} s.", name, *seconds);
   } else if (!problem.empty()) {

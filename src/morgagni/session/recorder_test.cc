@@ -147,6 +147,20 @@ TEST_F(RecorderTest, RepairsAtTheNextStartWhatAKilledProgramLeft) {
   EXPECT_EQ(lines.back(), '\n');
 }
 
+TEST_F(RecorderTest, LeavesNothingWhereNoPictureCame) {
+  pictures_ = {};  // The camera is silent.
+  std::this_thread::sleep_for(milliseconds(100));
+  server_ = LiveServer::start({.port = 0, .web_root = place_ / "page"}, {}).value();
+  recorder_ = made();
+  recorder_->run(*server_);
+  ASSERT_TRUE(recorder_->start());
+  ASSERT_TRUE(recorder_->stop());
+  ASSERT_TRUE(is_idle());
+  EXPECT_TRUE(recorder_->status().last_failed);
+  EXPECT_THAT(recorder_->status().last_said, HasSubstr("no picture came"));
+  EXPECT_TRUE(files().empty());
+}
+
 TEST_F(RecorderTest, SaysWhyNoVideoCanBeMade) {
   std::ofstream(body_->folder / "videos") << "a file where the folder should be";
   const auto refused = recorder_->start();
