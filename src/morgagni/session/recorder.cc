@@ -93,11 +93,9 @@ Result<void> Recorder::start() {
   for (int i = 2; fs::exists(folder_ / (name + ".webm")); ++i)
     name = fmt::format("{}-{}", evidence::file_name(now), i);
   MOR_CHECK(server_->start_video(part_files(folder_, name)));
-  status_ = {.state = RecorderState::kRecording,
-             .video = {},
-             .name = name,
-             .last_said = "",
-             .last_failed = false};
+  status_ = RecorderStatus{};
+  status_.state = RecorderState::kRecording;
+  status_.name = name;
   started_at_ = evidence::utc(now);
   stop_wanted_ = false;
   changed_.notify_all();
@@ -243,7 +241,7 @@ void Recorder::finish(const std::string& name, const std::string& problem, bool 
   if (!seconds) {
     std::error_code status;
     const bool is_there = fs::exists(part_files(folder_, name).video, status);
-    said = (problem.empty() ? seconds.error().message : problem) + ".";
+    said = fmt::format("{}.", problem.empty() ? seconds.error().message : problem);
     if (is_there) said += fmt::format(" The video so far stays in {}.part.webm.", name);
   } else if (is_left_over) {
     said = fmt::format("{}.webm was left unfinished; it is repaired, {:.0f} s.", name, *seconds);
