@@ -96,7 +96,6 @@ Result<void> Recorder::start() {
   status_ = RecorderStatus{};
   status_.state = RecorderState::kRecording;
   status_.name = name;
-  started_at_ = evidence::utc(now);
   stop_wanted_ = false;
   changed_.notify_all();
   return {};

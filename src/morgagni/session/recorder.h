@@ -82,7 +82,6 @@ class Recorder {
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   RecorderStatus status_;
-  std::string started_at_;
   bool stop_wanted_ = false;
   std::optional<FolderLock> lock_;
 
