@@ -34,6 +34,9 @@ void add_depth_options(CLI::App& command, BodySurfaceOptions& options) {
   command
       .add_option("--down-sampling", options.down_sampling, "Depth: every so many pixels, 1 to 4")
       ->capture_default_str();
+  command.add_flag("!--single-readings",
+                   options.averages,
+                   "Depth: do not average the pixels between, as the paper does");
 }
 
 void add_registration_options(CLI::App& command, RegistrationOptions& options) {

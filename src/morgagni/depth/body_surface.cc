@@ -15,6 +15,8 @@
 namespace mor {
 namespace {
 
+/// Readings farther apart in depth are not averaged.
+constexpr float kSameSurfaceMm = 12.0F;
 constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 
 /// The pixels that are looked at along one side: 0, round(factor), round(2 factor), ...
@@ -85,7 +87,12 @@ struct BodySurfaceExtractor::Impl {
   void back_project(ImageView<const std::uint16_t> depth_mm);
   [[nodiscard]] std::size_t grow_from(std::optional<Eigen::Vector2d> seed_px);
   [[nodiscard]] std::size_t grow_around(std::span<const Eigen::Vector3d> expected);
-  [[nodiscard]] BodySurface surface(std::size_t count);
+  [[nodiscard]] static float mean_around(ImageView<const std::uint16_t> depth_mm,
+                                         int column,
+                                         int row,
+                                         int reach_px);
+  void average(ImageView<const std::uint16_t> depth_mm);
+  [[nodiscard]] BodySurface surface(ImageView<const std::uint16_t> depth_mm, std::size_t count);
   void add_vertices(std::size_t count, PointCloud& cloud);
   void add_triangles(std::size_t num_vertices, std::vector<Triangle>& triangles) const;
   [[nodiscard]] bool ad_is_shorter(std::size_t a) const;
@@ -97,7 +104,7 @@ struct BodySurfaceExtractor::Impl {
   internal::DepthGrid grid;
   internal::RegionGrower grower;
   internal::GridNormals normals;
-  std::vector<std::uint8_t> edges, mask;
+  std::vector<std::uint8_t> edges, edges_before, mask;
   std::vector<std::uint32_t> vertex_of_pixel;
 };
 
@@ -187,10 +194,63 @@ std::size_t BodySurfaceExtractor::Impl::grow_around(std::span<const Eigen::Vecto
   return grower.grow(grid, edges, places, mask);
 }
 
+/// The mean depth of a pixel and those around it, up to `reach_px` away. They come in pairs on
+/// either side of it, so that a slope moves nothing; a pair counts where both are of its surface.
+float BodySurfaceExtractor::Impl::mean_around(ImageView<const std::uint16_t> depth_mm,
+                                              int column,
+                                              int row,
+                                              int reach_px) {
+  const auto center_mm = static_cast<float>(depth_mm(column, row));
+  float sum_mm = center_mm;
+  float count = 1.0F;
+  for (int v = -reach_px; v <= 0; ++v) {
+    const std::uint16_t* above = depth_mm.row(row + v) + column;
+    const std::uint16_t* below = depth_mm.row(row - v) + column;
+    const int end = v == 0 ? 0 : reach_px + 1;
+    for (int u = -reach_px; u < end; ++u) {
+      const auto one_mm = static_cast<float>(above[u]);
+      const auto other_mm = static_cast<float>(below[-u]);
+      const bool same = std::abs(one_mm - center_mm) <= kSameSurfaceMm &&
+                        std::abs(other_mm - center_mm) <= kSameSurfaceMm;
+      sum_mm += same ? one_mm + other_mm : 0.0F;
+      count += same ? 2.0F : 0.0F;
+    }
+  }
+  return sum_mm / count;
+}
+
+/// Puts the pixels in the mask where the mean of the readings around them lies, and cuts the edges
+/// that this makes too long.
+void BodySurfaceExtractor::Impl::average(ImageView<const std::uint16_t> depth_mm) {
+  const int reach_px = static_cast<int>(options.down_sampling / 2.0);
+  if (reach_px == 0) return;
+  const auto inside = [reach_px](int pixel, int size) {
+    return pixel >= reach_px && pixel + reach_px < size;
+  };
+  std::size_t i = 0;
+  for (const int row : rows) {
+    for (const int column : columns) {
+      const std::size_t pixel = i++;
+      if (mask[pixel] == 0 || !inside(row, camera.height_px) || !inside(column, camera.width_px)) {
+        continue;
+      }
+      const float mean_mm = mean_around(depth_mm, column, row, reach_px);
+      grid.z[pixel] = mean_mm;
+      grid.x[pixel] = ray_x[pixel] * mean_mm;
+      grid.y[pixel] = ray_y[pixel] * mean_mm;
+    }
+  }
+  edges_before = edges;
+  internal::connect_neighbors(grid, static_cast<float>(options.max_edge_mm), edges);
+  for (std::size_t k = 0; k < edges.size(); ++k) edges[k] &= edges_before[k];
+}
+
 /// The surface of the `count` pixels in the mask.
-BodySurface BodySurfaceExtractor::Impl::surface(std::size_t count) {
+BodySurface BodySurfaceExtractor::Impl::surface(ImageView<const std::uint16_t> depth_mm,
+                                                std::size_t count) {
   BodySurface surface;
   if (count == 0) return surface;
+  if (options.averages) average(depth_mm);
   normals.fit(grid.z, mask);
   add_vertices(count, surface.cloud);
   add_triangles(count, surface.triangles);
@@ -259,14 +319,14 @@ BodySurfaceExtractor::~BodySurfaceExtractor() = default;
 Result<BodySurface> BodySurfaceExtractor::extract(ImageView<const std::uint16_t> depth_mm,
                                                   std::optional<Eigen::Vector2d> seed_px) {
   MOR_CHECK(impl_->take(depth_mm));
-  return impl_->surface(impl_->grow_from(seed_px));
+  return impl_->surface(depth_mm, impl_->grow_from(seed_px));
 }
 
 Result<BodySurface> BodySurfaceExtractor::extract(ImageView<const std::uint16_t> depth_mm,
                                                   std::span<const Eigen::Vector3d> expected) {
   MOR_CHECK(impl_->take(depth_mm));
   const std::size_t count = impl_->grow_around(expected);
-  return impl_->surface(count > 0 ? count : impl_->grow_from(std::nullopt));
+  return impl_->surface(depth_mm, count > 0 ? count : impl_->grow_from(std::nullopt));
 }
 
 }  // namespace mor

@@ -23,6 +23,11 @@ struct BodySurfaceOptions {
   double max_edge_mm = 10.0;  ///< d_triangulation: neighbours farther apart are not connected. > 0.
   double down_sampling = 2.5;  ///< Every so many pixels, both ways, fractions allowed. [1, 4].
 
+  /// A point is the mean of the reading at its pixel and those around it that no other point takes,
+  /// as far as they are of one surface; false: that reading alone, as the paper has it. Without
+  /// down-sampling there are none to average.
+  bool averages = true;
+
   [[nodiscard]] Result<void> check() const;
 };
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -102,6 +103,49 @@ TEST(BodySurface, GivesTheNormalsOfASphere) {
   }
   // At the rim the window is cut and the slope steep.
   EXPECT_LT(num_bad, static_cast<int>(surface.cloud.size()) / 20);
+}
+
+TEST(BodySurface, AveragesTheReadingsBetweenItsPoints) {
+  // Head on, noise of even steps: the mean of nine has a third of it.
+  DepthImage image(kKinect.width_px, kKinect.height_px, 800);
+  std::mt19937 random(7);
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      image(x, y) = static_cast<std::uint16_t>(797 + random() % 7U);
+    }
+  }
+  const auto deviation_mm = [&image](bool averages) {
+    const BodySurface surface = extract(image, {.averages = averages});
+    double sum_sq = 0.0;
+    for (const auto& point : surface.cloud.points) {
+      sum_sq += std::pow(static_cast<double>(point.z()) - 800.0, 2.0);
+    }
+    return std::sqrt(sum_sq / static_cast<double>(surface.cloud.size()));
+  };
+  EXPECT_NEAR(deviation_mm(false), 2.0, 0.05);
+  EXPECT_NEAR(deviation_mm(true), 2.0 / 3.0, 0.03);
+}
+
+TEST(BodySurface, AveragesNeitherAcrossAStepNorOverHoles) {
+  DepthImage image(kKinect.width_px, kKinect.height_px, 700);
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      if (x >= 320) image(x, y) = 720;
+      if ((x + 3 * y) % 11 == 0) image(x, y) = 0;
+    }
+  }
+  const BodySurface surface = extract(image, {.max_edge_mm = 30.0});
+  ASSERT_GT(surface.cloud.size(), 30000U);
+  for (const auto& point : surface.cloud.points) {
+    ASSERT_TRUE(point.z() == 700.0F || point.z() == 720.0F) << point.z();
+  }
+}
+
+TEST(BodySurface, GivesSingleReadingsWhereAskedTo) {
+  const DepthImage image = plane_image(kKinect, Eigen::Vector3d(0.5, 0.3, 1.0).normalized(), 600.0);
+  for (const auto& point : extract(image, {.averages = false}).cloud.points) {
+    ASSERT_EQ(point.z(), std::round(point.z()));
+  }
 }
 
 TEST(BodySurface, FacesTrianglesToTheCameraWithoutRepeatingAny) {

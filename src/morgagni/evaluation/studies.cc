@@ -125,9 +125,11 @@ class Studies {
     if (!registration) {
       column.not_run = registration.error().message;
     } else {
-      MOR_TRY(auto extractor,
-              BodySurfaceExtractor::create(prepared.poses.front().frame->calibration->depth,
-                                           {.down_sampling = method.down_sampling}));
+      MOR_TRY(
+          auto extractor,
+          BodySurfaceExtractor::create(prepared.poses.front().frame->calibration->depth,
+                                       {.down_sampling = method.down_sampling,
+                                        .averages = method.method == RegistrationMethod::kField}));
       for (const auto& pose : prepared.poses) {
         const auto run = this->run(pose, prepared.internal, extractor, **registration);
         if (!run && run.error().code != ErrorCode::kDevice) return tl::unexpected(run.error());

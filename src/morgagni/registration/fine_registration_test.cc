@@ -274,6 +274,37 @@ TEST(FieldRegistration, LooksUnderAThinClothThatLiesOnMostOfTheSkin) {
   }
 }
 
+/// Half of the body under a cloth that hangs 10 to 25 mm above the skin.
+PointCloud with_cloth(PointCloud cloud) {
+  Eigen::Vector3f middle = Eigen::Vector3f::Zero();
+  for (const auto& point : cloud.points) middle += point / static_cast<float>(cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const Eigen::Vector3f from_middle = cloud.points[i] - middle;
+    if (from_middle.x() + 0.4F * from_middle.y() < 0.0F) continue;
+    const float folds = std::sin(0.06F * from_middle.x()) * std::sin(0.05F * from_middle.y());
+    cloud.points[i] += (17.5F + 7.5F * folds) * cloud.normals[i];
+  }
+  return cloud;
+}
+
+TEST(FieldRegistration, SinksToTheSkinFromRoughStartsWhereAClothCoversHalfOfIt) {
+  const auto registration = make(RegistrationMethod::kField);
+  const Eigen::Isometry3d truth = internal::camera_before_body();
+  const PointCloud moving =
+      with_noise(with_cloth(internal::seen_by_camera(body()->mesh, truth)), 0.6F, 3);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> even(-1.0, 1.0);
+  for (int i = 0; i < 12; ++i) {
+    const Eigen::Vector3d axis(even(random), even(random), even(random));
+    const Eigen::Vector3d shift = 15.0 * Eigen::Vector3d(even(random), even(random), even(random));
+    const Eigen::Isometry3d start =
+        internal::motion_about(body_center(), axis, 18.0 * even(random) * kDegree, shift) * truth;
+    const auto result = registration->align(moving, start, StartQuality::kRough);
+    ASSERT_TRUE(result);
+    EXPECT_LT(error_mm(result->fixed_from_moving, truth), 2.0) << i;
+  }
+}
+
 TEST(FieldRegistration, TellsASkinThatItSeesThroughFromClutter) {
   const auto registration = make(RegistrationMethod::kField);
   const Eigen::Isometry3d truth = internal::camera_before_body();

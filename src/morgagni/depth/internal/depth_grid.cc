@@ -15,7 +15,7 @@ constexpr std::uint32_t kNoRun = std::numeric_limits<std::uint32_t>::max();
 /// A reading this far before or behind an expected place is something else.
 constexpr float kExpectedMm = 80.0F;
 /// A piece with fewer of the expected places than this share of the most is left out.
-constexpr double kShareOfMost = 0.15;
+constexpr double kShareOfMost = 0.05;
 
 /// Sets `bit` in `edges[i]` where points `i` and `i + step` are near each other, for `count` pixels
 /// from `first` on. A comparison with NaN is false, so pixels without reading have no edges.

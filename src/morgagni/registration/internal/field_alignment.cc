@@ -127,6 +127,12 @@ double FieldAlignment::step(const NormalEquations& equations, double stride) {
   return std::hypot(twist.tail<3>().norm(), twist.head<3>().norm() * radius_mm_);
 }
 
+double FieldAlignment::distance_mm(const Eigen::Isometry3d& other) const {
+  const Eigen::Matrix3d turn = pose_.linear() * other.linear().transpose();
+  return std::hypot((pivot() - other * center_).norm(),
+                    Eigen::AngleAxisd(turn).angle() * radius_mm_);
+}
+
 bool FieldAlignment::run(const Stage& stage, int max_iterations) {
   const auto stride = static_cast<double>(points_of(stage.points).stride);
   converged_ = false;
@@ -136,6 +142,13 @@ bool FieldAlignment::run(const Stage& stage, int max_iterations) {
     ++num_iterations_;
     converged_ = step(equations, stride) < stage.stop_step_mm;
     if (converged_) break;
+  }
+  return true;
+}
+
+bool FieldAlignment::run_all(std::span<const Stage> stages, int max_iterations) {
+  for (const Stage& stage : stages) {
+    if (!run(stage, max_iterations)) return false;
   }
   return true;
 }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
+
 #include "morgagni/registration/fine_registration.h"
 #include "morgagni/registration/internal/normal_equations.h"
 #include "morgagni/registration/internal/sensor_points.h"
@@ -53,8 +55,13 @@ class FieldAlignment {
   /// Of the moving points, where the pose puts them.
   [[nodiscard]] Eigen::Vector3d pivot() const { return pose_ * center_; }
 
+  /// How far apart the pose and another one put the moving points, about.
+  [[nodiscard]] double distance_mm(const Eigen::Isometry3d& other) const;
+
   /// Runs one stage; false when too few points find the surface.
   [[nodiscard]] bool run(const Stage& stage, int max_iterations);
+  /// Runs stage after stage; false when one finds too few points.
+  [[nodiscard]] bool run_all(std::span<const Stage> stages, int max_iterations);
   /// Looks at the pose as a stage would, without a step.
   [[nodiscard]] PoseFit fit(const Stage& stage);
   /// The result at the pose as it is, by all points.

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "morgagni/registration/fine_registration.h"
+#include "morgagni/registration/internal/skin_view.h"
 
 namespace mor::internal {
 
@@ -21,6 +22,7 @@ class FieldRegistration final : public FineRegistration {
 
  private:
   std::shared_ptr<const FixedSurface> fixed_;
+  SkinProbe probe_;
   RegistrationOptions options_;
 };
 

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "morgagni/registration/internal/field_alignment.h"
+#include "morgagni/registration/internal/field_stages.h"
+#include "morgagni/registration/internal/skin_view.h"
+
+namespace mor::internal {
+
+/// Finds the pose from a rough start: approaches and refines it, judges what it has found by more
+/// than the residual, and while that is in doubt tries places around the start, twenty at most. The
+/// best by evidence is kept. The same input, the same tries.
+class FieldSearch {
+ public:
+  /// @param alignment  At the start. @param moving  The points that it aligns.
+  FieldSearch(FieldAlignment& alignment,
+              const SkinProbe& probe,
+              const PointCloud& moving,
+              int max_iterations);
+
+  /// Leaves the alignment at the best pose; at the start, and false, where nothing was found.
+  /// @cost Without doubt 0.15 to 0.5 ms, else up to 15 ms.
+  [[nodiscard]] bool run();
+
+ private:
+  /// A pose that was found, and the evidence for it.
+  struct Candidate {
+    Eigen::Isometry3d pose;
+    PoseFit fit;
+    SkinView view;
+
+    [[nodiscard]] double score() const;
+    [[nodiscard]] bool is_clear() const;
+    [[nodiscard]] bool is_poor() const;
+  };
+
+  [[nodiscard]] bool is_in_doubt() const { return !best_ || !best_->is_clear(); }
+  void try_around(const Eigen::Isometry3d& start);
+  void try_from(const Eigen::Isometry3d& pose, Stages approach);
+  /// Places around the start, the most promising first.
+  [[nodiscard]] std::vector<Eigen::Isometry3d> places_around(const Eigen::Isometry3d& start);
+  /// Whether the present pose is none of these, which it then joins.
+  [[nodiscard]] bool is_new(std::vector<Eigen::Isometry3d>& known) const;
+
+  FieldAlignment& alignment_;
+  const SkinProbe& probe_;
+  RangeMap map_;
+  int max_iterations_;
+  std::optional<Candidate> best_;
+  std::vector<Eigen::Isometry3d> halfway_;
+  std::vector<Eigen::Isometry3d> approached_;
+};
+
+}  // namespace mor::internal
