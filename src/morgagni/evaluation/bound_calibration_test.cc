@@ -36,7 +36,7 @@ BoundRuns drawn(int num_frames) {
     const double strength = sample.group == 0 ? 4000.0 : 500.0;
     sample.information.matrix.diagonal() << 1e4 * strength, 2e4 * strength, 5e3 * strength,
         strength, 3.0 * strength, 0.5 * strength;
-    sample.information.residual_scale = 0.8;
+    sample.information.residual_scale = 1.0;
     const Eigen::Matrix<double, 6, 6> covariance =
         kCorrelated * sample.information.matrix.inverse();
     const Eigen::Matrix<double, 6, 6> root = covariance.llt().matrixL();

@@ -16,11 +16,14 @@
 #include "morgagni/core/statistics.h"
 #include "morgagni/geometry/rigid.h"
 #include "morgagni/registration/visible_place.h"
+#include "morgagni/tracking/skin_evidence.h"
 
 namespace mor {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+/// A reading this near is on the skin, where the body's pose is the true one.
+constexpr double kOnSkinMm = 8.0;
 
 double ms_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
@@ -72,6 +75,7 @@ class Evaluation {
         skin_(skin),
         targets_(targets),
         options_(options),
+        samples_(skin),
         random_(options.seed) {}
 
   [[nodiscard]] Result<void> add_frame(const RgbdFrame& frame, const Eigen::Isometry3d& truth);
@@ -91,11 +95,13 @@ class Evaluation {
   const TriangleMesh& skin_;
   const std::vector<Target>& targets_;
   const EvaluationOptions& options_;
+  SkinSamples samples_;
   std::mt19937_64 random_;
   std::optional<Eigen::Isometry3d> last_pose_;
   int num_frames_ = 0;
   std::vector<EvaluationRun> runs_;
   std::vector<double> depth_ms_;
+  std::vector<double> body_seen_;
 };
 
 Result<PointCloud> Evaluation::surface_at(const RgbdFrame& frame,
@@ -136,6 +142,9 @@ Result<RegistrationResult> Evaluation::run(const RgbdFrame& frame,
 
 Result<void> Evaluation::add_frame(const RgbdFrame& frame, const Eigen::Isometry3d& truth) {
   ++num_frames_;
+  body_seen_.push_back(
+      samples_.compare(frame.depth_mm.view(), frame.calibration->depth, truth, kOnSkinMm)
+          .seen_fraction());
   if (options_.num_starts == 0) {
     MOR_TRY(const auto result,
             run(frame, last_pose_.value_or(truth), StartQuality::kTracked, truth));
@@ -177,6 +186,8 @@ EvaluationReport Evaluation::report() const {
   report.registration_cpu_ms = summarize(registration_cpu_ms);
   report.depth_ms = summarize(depth_ms_);
   report.median_points = quantile(std::move(points), 0.5);
+  report.median_body_seen = quantile(body_seen_, 0.5);
+  report.least_body_seen = quantile(body_seen_, 0.0);
   report.runs = runs_;
   return report;
 }
@@ -280,6 +291,7 @@ std::string to_json(const EvaluationReport& report) {
       {"registration_ms", times(report.registration_ms)},
       {"registration_cpu_ms", times(report.registration_cpu_ms)},
       {"points", report.median_points},
+      {"body_seen", {{"median", report.median_body_seen}, {"min", report.least_body_seen}}},
   };
   return json.dump(2) + "\n";
 }
@@ -315,6 +327,10 @@ std::string to_table(const EvaluationReport& report) {
   table += row("registration, ms", report.registration_ms);
   table += row("its processor time, ms", report.registration_cpu_ms);
   table += row("depth to surface, ms", report.depth_ms);
+  table += fmt::format(
+      "\nof the skin in view the camera shows {:.0f} % (median of the frames), {:.0f} % at least\n",
+      100.0 * report.median_body_seen,
+      100.0 * report.least_body_seen);
   return table;
 }
 

@@ -59,6 +59,10 @@ struct EvaluationReport {
   Summary registration_cpu_ms;
   Summary depth_ms;  ///< Depth image to body surface, a run.
   double median_points = 0.0;
+  /// Of the skin that faces the camera and lies in its picture, the share that is seen at the truth
+  /// (SkinEvidence::seen_fraction), 0..1: what clutter leaves of the body. Over the frames.
+  double median_body_seen = 0.0;
+  double least_body_seen = 0.0;
   std::vector<EvaluationRun> runs;
 };
 
@@ -90,7 +94,8 @@ struct EvaluationReport {
     const Progress& progress);
 
 /// {"method","frames","starts","success_rate","tre_mm":{mean,sd,median,p95,max},"tre_success_mm",
-/// "registration_ms":{median,p95},"registration_cpu_ms":{median,p95},"points"}.
+/// "registration_ms":{median,p95},"registration_cpu_ms":{median,p95},"points",
+/// "body_seen":{median,min}}.
 [[nodiscard]] std::string to_json(const EvaluationReport& report);
 
 /// The same as a table to read, with the depth stage's time.

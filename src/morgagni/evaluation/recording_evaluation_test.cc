@@ -153,6 +153,9 @@ TEST_F(EvaluateRecording, WritesTheJsonThatScriptsRead) {
   EXPECT_TRUE(json.at("registration_ms").at("p95").is_number());
   EXPECT_GT(json.at("registration_cpu_ms").at("median"), 0.0);
   EXPECT_GT(json.at("points"), 0.0);
+  // Nothing covers the body.
+  EXPECT_GT(json.at("body_seen").at("min"), 0.85);
+  EXPECT_LE(json.at("body_seen").at("median"), 1.0);
   EXPECT_THAT(to_table(*report), HasSubstr("TRE, mm"));
 }
 

@@ -32,7 +32,10 @@ double chi_square_95(double degrees) {
 }  // namespace
 
 BoundCalibration default_bound_calibration() {
-  return {.correlated_readings = 1.17, .systematic_mm = 0.005, .floor_mm = 0.0};
+  return {.correlated_readings = 3.4,
+          .least_residual_scale = 0.33,
+          .systematic_mm = 0.0,
+          .floor_mm = 0.0};
 }
 
 BoundCalibration with_sensor_bias(const BoundCalibration& calibration, double sensor_bias_mm) {
@@ -49,7 +52,7 @@ std::optional<PoseCovariance> pose_covariance(const PoseInformation& information
   scale << Eigen::Vector3d::Constant(1.0 / kLeverMm), Eigen::Vector3d::Ones();
   const Matrix6d scaled = scale.asDiagonal() * information.matrix * scale.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled);
-  const double sigma = std::max(1.0, information.residual_scale);
+  const double sigma = std::max(calibration.least_residual_scale, information.residual_scale);
   const double sum_weights = information.matrix.diagonal().tail<3>().sum();
   const double variance = sigma * sigma * calibration.correlated_readings +
                           sum_weights * calibration.systematic_mm * calibration.systematic_mm;

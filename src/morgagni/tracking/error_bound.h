@@ -21,6 +21,9 @@ struct PoseCovariance {
 struct BoundCalibration {
   /// Readings err together with their neighbours: so many of them count as one. > 0.
   double correlated_readings = 1.0;
+  /// A residual over the noise of single readings that is smaller is taken as this: the mean of
+  /// nine readings leaves a third. > 0.
+  double least_residual_scale = 1.0;
   /// Standard deviation of an error that all readings share in part: the sensor's, the skin's, the
   /// field's. No number of readings averages it out. >= 0.
   double systematic_mm = 0.0;
@@ -37,9 +40,9 @@ struct BoundCalibration {
                                                 double sensor_bias_mm);
 
 /// (k sigma^2 + W b^2) M^-1 + floor, where M is the information, k the readings that count as one,
-/// sigma the residual over the expected noise, never below 1, W the sum of the readings' weights
-/// (the trace of M's shift part: normals are unit vectors) and b the systematic error. W M^-1 is
-/// the geometry alone: how a unit error along the normals reaches the pose.
+/// sigma the residual over the expected noise, not below the least, W the sum of the readings'
+/// weights (the trace of M's shift part: normals are unit vectors) and b the systematic error. W
+/// M^-1 is the geometry alone: how a unit error along the normals reaches the pose.
 /// @return None where the data leaves a direction open: there is no bound then.
 [[nodiscard]] std::optional<PoseCovariance> pose_covariance(
     const PoseInformation& information,

@@ -239,15 +239,16 @@ Judgement Tracker::judged(const FrameEvidence& evidence) const {
   return {};
 }
 
-/// The best of several poses around the last one. Bad unless it would do as a start: after a loss
-/// nothing less is believed.
+/// The first of several poses around the last one that would do as a start. Bad where there is
+/// none: after a loss nothing less is believed; the best of them tells why.
 Result<Tracker::Attempt> Tracker::attempt_around(const Scene& scene, const LastSeen& last) {
   std::optional<Attempt> best;
   for (const auto& start : resume_starts(last, scene.surface.cloud, round_++)) {
     MOR_TRY(auto made, attempt(scene, start, StartQuality::kRough));
+    if (is_a_start(made)) return made;
     if (!best || support(made.skin) > support(best->skin)) best = std::move(made);
   }
-  if (!is_a_start(*best)) best->judgement.verdict = Verdict::kBad;
+  best->judgement.verdict = Verdict::kBad;
   return *std::move(best);
 }
 

@@ -39,6 +39,10 @@ struct PoseFit {
   double pair_fraction = 0.0;   ///< Of the points' weight, what the kernel leaves of it.
 
   [[nodiscard]] double score() const { return pair_fraction - below_fraction; }
+  /// 0 where nothing is near.
+  [[nodiscard]] double share_of_near() const {
+    return near_fraction > 0.0 ? pair_fraction / near_fraction : 0.0;
+  }
 };
 
 /// The working state of one registration on a field: a pose that Gauss-Newton steps improve, held

@@ -44,6 +44,9 @@ inline constexpr std::array<Stage, 2> kRefinement = {{
     {{4.0F, 12.0F, 0.7F, 1.2F, 8.0F}, true, PointShare::kRuns, 12, 0.05},
     {kFinalRule, true, PointShare::kRuns, 4, 0.05},
 }};
+/// How a pose is judged: by rows of readings that lie along the skin to within half of a single
+/// reading's noise. Cloth and clutter that a pose has settled on do not, however many they are.
+inline constexpr Stage kCloseLook = {{3.0F, 3.0F, 0.7F, 0.5F, 0.5F}, true, PointShare::kRuns};
 /// Last, once.
 inline constexpr Stage kFinish = {kFinalRule, true, PointShare::kAll, 3, 0.05};
 
