@@ -144,10 +144,6 @@ class Composer {
     pdf_.text(kBoundWords, PdfStyle::kBody);
     pdf_.skip(5.0);
     pdf_.text(kCoordinateWords, PdfStyle::kBody);
-    for (const auto& remark : report_.remarks) {
-      pdf_.skip(5.0);
-      pdf_.text(remark, PdfStyle::kBody);
-    }
   }
 
   void views() {
@@ -326,6 +322,10 @@ class Composer {
         "A file is the one meant here when its SHA-256 is the same, as `sha256sum` or any such "
         "program computes it. This report's own stands in manifest.json beside it.",
         PdfStyle::kSmall);
+    for (const auto& remark : report_.remarks) {
+      pdf_.skip(5.0);
+      pdf_.text(remark, PdfStyle::kBody);
+    }
     pdf_.skip(8.0);
     pdf_.text("Exported with this report", PdfStyle::kStrong);
     hash_table(report_.files);
