@@ -30,6 +30,7 @@ if(MORGAGNI_BUILD_TESTS)
   find_package(GTest REQUIRED)
   find_package(assimp REQUIRED)  # It and lib3mf read exported files.
   pkg_check_modules(LIB3MF REQUIRED IMPORTED_TARGET lib3MF)
+  find_package(OpenCV REQUIRED COMPONENTS calib3d)  # Whose projection ours is compared with.
 endif()
 if(MORGAGNI_BUILD_BENCHMARKS)
   find_package(benchmark REQUIRED)

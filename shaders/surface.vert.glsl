@@ -2,6 +2,7 @@
 // A vertex of the CT on the camera's picture, as PinholeCamera::project puts it, distortion included.
 layout(location = 0) in vec3 position_ct;
 layout(location = 1) in vec3 normal_ct;
+layout(location = 2) in vec2 place_in_atlas;  // Of the skin alone.
 
 uniform mat4 camera_from_ct;
 uniform vec2 focal_ndc;       // From (x/z, y/z) to the target's -1..1.
@@ -13,6 +14,7 @@ uniform vec2 depth_clip;      // clip z = depth_clip.x * z + depth_clip.y.
 
 out vec3 position_mm;  // Camera frame: x right, y down, z forward.
 out vec3 normal;
+out vec2 atlas_place;
 
 vec2 distorted(vec2 ray) {
   float r2 = dot(ray, ray);
@@ -24,6 +26,7 @@ vec2 distorted(vec2 ray) {
 void main() {
   position_mm = (camera_from_ct * vec4(position_ct, 1.0)).xyz;
   normal = mat3(camera_from_ct) * normal_ct;
+  atlas_place = place_in_atlas;
   vec2 seen = position_mm.xy;  // Times z: dividing is left to OpenGL, which clips before it.
   if (max_radius_sq > 0.0) {
     float z = abs(position_mm.z) < 1e-3 ? 1e-3 : position_mm.z;

@@ -29,6 +29,13 @@ export interface View {
   volume: VolumePreset;
   volume_level_hu: number;
   volume_window_hu: number;
+  picture: 'camera' | 'free';
+  free_yaw: number;
+  free_pitch: number;
+  free_zoom: number;
+  free_target_mm: Point3;
+  free_hole: boolean;
+  free_bare_skin: boolean;
 }
 
 /** The search for a start. */
@@ -47,6 +54,8 @@ export interface Status {
   doubts: Doubt[];
   /** 95 % of the errors on the skin in the hole are smaller. */
   bound_mm: number | null;
+  /** Of the picture whose colours the free view shows; null: there has been no good one. */
+  colors_age_ms: number | null;
   starting: 'automatic' | 'placement' | 'landmarks' | null;
   search: Search | null;
   frozen: boolean;
@@ -68,6 +77,7 @@ export interface CaseInfo {
   name: string;
   structures: { name: string; color: string }[];
   has_ct: boolean;
+  skin_radius_mm: number;
   start_options: { distance_mm: number; min: number; max: number };
   version: string;
 }

@@ -5,6 +5,8 @@ import { Controls } from './controls';
 import { DocumentsPanel } from './documents_panel';
 import { h, setText } from './dom';
 import { FindingsPanel } from './findings_panel';
+import { FreeGestures } from './free_gestures';
+import { zoomed, type FreeViewpoint } from './free_view';
 import { grabFrame, type GrabbedFrame } from './frame_grabber';
 import type { Point } from './geometry';
 import { LandmarkPanel } from './landmark_panel';
@@ -15,6 +17,7 @@ import { RecordingPanel } from './recording_panel';
 import { Stage } from './stage';
 import { StatusPanel } from './status_panel';
 import { adviceOf, bannerOf, snapshotName, touchLines } from './status_text';
+import { SurfacePanel } from './surface_panel';
 import { Tabs } from './tabs';
 import { TakeawayPanel } from './takeaway_panel';
 import { ViewSender } from './view_sender';
@@ -50,10 +53,13 @@ export class App {
   private readonly landmarks = new LandmarkPanel(this.stage, this.toast, () => this.setMode('live'));
   private readonly modes = new ModesPanel((change) => this.changeView(change));
   private readonly texture = new TexturePanel(this.toast);
+  private readonly surface = new SurfacePanel((change) => this.changeView(change),
+    (factor) => this.zoomFreeView(factor));
   private readonly controls = new Controls({
     startAutomatically: () => void api.startAutomatically().catch(this.toast.sayError),
     startByPlacement: () => {
       this.setMode('placement');
+      this.changeView({ picture: 'camera' });
       this.placement.begin();
     },
     startByLandmarks: () => void this.beginLandmarks(),
@@ -86,11 +92,21 @@ export class App {
       this.toast.element);
     this.tabs.add('look', this.controls.element);
     this.tabs.add('look', this.modes.element);
+    this.tabs.add('surface', this.surface.element);
     this.tabs.add('surface', this.texture.element);
     this.tabs.add('findings', this.findings.element);
     this.tabs.add('take-away', this.takeaway.element);
     this.tabs.add('take-away', new RecordingPanel(this.toast).element);
     this.tabs.add('take-away', new DocumentsPanel(this.toast).element);
+    new FreeGestures(this.stage.element, {
+      viewpoint: () => (this.mode === 'live' && this.view?.picture === 'free' ? this.view : undefined),
+      radiusMm: () => this.info?.skin_radius_mm ?? 1,
+      shown: () => this.stage.shownSize(),
+      change: (viewpoint) => {
+        this.stage.hideReadout();
+        this.changeView(pick(viewpoint));
+      },
+    });
     const self = this;
     this.inspection = {
       live: this.live,
@@ -134,8 +150,10 @@ export class App {
       this.view = status.view;
       this.controls.showView(status.view);
       this.modes.showView(status.view);
+      this.surface.showView(status.view);
     }
     this.controls.showStatus(status);
+    this.surface.showStatus(status);
     const found = status.state === 'tracking' && before?.state !== 'tracking';
     if (this.mode === 'placement' && found) {
       this.setMode('live');
@@ -170,9 +188,17 @@ export class App {
     this.sender.change(change);
   }
 
+  private zoomFreeView(factor: number): void {
+    if (!this.view || !this.info) return;
+    const middle = { x: 0, y: 0 };
+    this.changeView({ picture: 'free',
+      ...pick(zoomed(this.view, factor, middle, this.info.skin_radius_mm, this.stage.shownSize())) });
+  }
+
   private async beginLandmarks(): Promise<void> {
     try {
       this.setMode('landmarks');
+      this.changeView({ picture: 'camera' });
       await this.landmarks.begin();
     } catch (error) {
       this.setMode('live');
@@ -220,4 +246,9 @@ export class App {
     setTimeout(() => URL.revokeObjectURL(url), 10000);
     this.toast.say(`Saved as ${name}`, 'good');
   }
+}
+
+/** The virtual camera alone, of a view that has more. */
+function pick({ free_yaw, free_pitch, free_zoom, free_target_mm }: FreeViewpoint): FreeViewpoint {
+  return { free_yaw, free_pitch, free_zoom, free_target_mm };
 }

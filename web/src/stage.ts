@@ -95,6 +95,17 @@ export class Stage {
       }));
   }
 
+  /** The free view has no hole to be moved: a finger turns it (FreeGestures). */
+  private get isFree(): boolean {
+    return this.view()?.picture === 'free';
+  }
+
+  /** The picture as it is shown, in pixels of the screen. */
+  shownSize(): Size {
+    const picture = this.pictureSize();
+    return picture ? containedBox(this.box(), picture) : this.box();
+  }
+
   private box(): DOMRect {
     return this.element.getBoundingClientRect();
   }
@@ -107,7 +118,8 @@ export class Stage {
   }
 
   private press(event: PointerEvent): void {
-    if (!event.isPrimary || !this.pointOf(event)) return;
+    if (!event.isPrimary && this.down) this.down.moved = true;  // Two fingers do not tap.
+    if (!event.isPrimary || event.button !== 0 || !this.pointOf(event)) return;
     this.element.setPointerCapture(event.pointerId);
     this.down = { at: { x: event.clientX, y: event.clientY }, moved: false };
   }
@@ -117,7 +129,7 @@ export class Stage {
     const distance = Math.hypot(event.clientX - this.down.at.x, event.clientY - this.down.at.y);
     if (distance > DRAG_FROM_PX) this.down.moved = true;
     const picture = this.pictureSize();
-    if (!this.down.moved || !picture) return;
+    if (!this.down.moved || !picture || this.isFree) return;
     const shown = containedBox(this.box(), picture);
     const x = clamp((event.clientX - this.box().left - shown.x) / shown.width, 0, 1);
     const y = clamp((event.clientY - this.box().top - shown.y) / shown.height, 0, 1);
@@ -135,7 +147,7 @@ export class Stage {
       this.onTap(point);
       return;
     }
-    if (this.endsDoubleTap(event)) {
+    if (!this.isFree && this.endsDoubleTap(event)) {
       this.hideReadout();
       this.onHole(0.5, 0.5);
     } else {

@@ -97,7 +97,30 @@ export function bannerOf(
   if (connection === 'stale') {
     return { kind: 'bad', text: `The picture stands still: ${(age_ms / 1000).toFixed(0)} s old` };
   }
+  if (status?.view?.picture === 'free') return oldColors(status);
   return undefined;
+}
+
+/** Of when the colours on the skin in the free view are. */
+export function colorsText(status: Status): string {
+  const { colors_age_ms: age_ms, state } = status;
+  if (age_ms === null) return 'No colours yet: the body has not been tracked.';
+  if (status.frozen) return 'Colours of the frozen picture.';
+  return state === 'tracking' ? 'Colours of now.' : `Colours of ${seconds(age_ms)} ago.`;
+}
+
+/** Over the free view, where its colours are not those of now. */
+function oldColors(status: Status): Banner | undefined {
+  const { colors_age_ms: age_ms, state } = status;
+  if (age_ms === null) {
+    return { kind: 'calm', text: 'No colours yet: the body has not been tracked' };
+  }
+  if (state === 'tracking') return undefined;
+  return { kind: 'calm', text: `Last good picture, ${seconds(age_ms)} old: ${STATE_WORDS[state].toLowerCase()}` };
+}
+
+function seconds(age_ms: number): string {
+  return age_ms < 10000 ? `${(age_ms / 1000).toFixed(1)} s` : `${Math.round(age_ms / 1000)} s`;
 }
 
 /** A file name that sorts by time and says which case it shows. */

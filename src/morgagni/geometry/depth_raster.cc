@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <utility>
 #include <vector>
 
 namespace mor {
@@ -69,6 +70,12 @@ struct Plane {
   [[nodiscard]] Floats at(Floats x, float y) const { return at_origin + y * per_y + x * per_x; }
 };
 
+/// Twice the area of a triangle on the picture, whose rows run downwards: negative where its outer
+/// side is seen.
+float twice_area(const Projected& a, const Projected& b, const Projected& c) {
+  return (b.x_px - a.x_px) * (c.y_px - a.y_px) - (b.y_px - a.y_px) * (c.x_px - a.x_px);
+}
+
 /// Twice the area of (a, b, pixel), positive inside a counter-clockwise triangle; widened by its
 /// rounding error, so that two triangles leave no gap along the edge they share.
 Plane edge(const Projected& a, const Projected& b, float origin_x, float origin_y, float reach_px) {
@@ -107,7 +114,7 @@ class Canvas {
     const PixelSpan rows(top, bottom, nearest_inverse_.height());
     const PixelSpan columns(left, right, nearest_inverse_.width());
     if (rows.first > rows.last || columns.first > columns.last) return;
-    float area = (b.x_px - a.x_px) * (c.y_px - a.y_px) - (b.y_px - a.y_px) * (c.x_px - a.x_px);
+    float area = twice_area(a, b, c);
     if (area < 0.0F) {
       std::swap(b, c);
       area = -area;
@@ -174,35 +181,74 @@ Image<T> left_part(const Image<T>& image, int width) {
   return part;
 }
 
+DepthRaster empty_raster(const PinholeCamera& camera) {
+  return {Image<float>(camera.width_px, camera.height_px, 0.0F),
+          Image<std::uint32_t>(camera.width_px, camera.height_px, DepthRaster::kNothing)};
+}
+
+/// Calls `draw(a, b, c, index)` for each triangle that is wholly in front of the camera.
+template <class Draw>
+void for_each_projected(const TriangleMesh& mesh,
+                        const PinholeCamera& camera,
+                        const Eigen::Isometry3d& camera_from_mesh,
+                        const Draw& draw) {
+  const auto projected = project_all(mesh, camera, camera_from_mesh);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const auto& [a, b, c] = mesh.triangles[i];
+    const bool in_front = projected[a].inverse_depth > 0.0F && projected[b].inverse_depth > 0.0F &&
+                          projected[c].inverse_depth > 0.0F;
+    if (in_front) draw(projected[a], projected[b], projected[c], static_cast<std::uint32_t>(i));
+  }
+}
+
+void invert(Image<float>& inverse_depth) {
+  for (std::size_t i = 0; i < inverse_depth.size(); ++i) {
+    float& value = inverse_depth.data()[i];
+    if (value > 0.0F) value = 1.0F / value;
+  }
+}
+
+/// The camera, wide enough for the lanes.
+PinholeCamera wide_enough(const PinholeCamera& camera) {
+  PinholeCamera wider = camera;
+  wider.width_px = std::max(camera.width_px, kNumLanes);
+  return wider;
+}
+
 }  // namespace
 
 DepthRaster rasterize_depth(const TriangleMesh& mesh,
                             const PinholeCamera& camera,
                             const Eigen::Isometry3d& camera_from_mesh) {
-  if (camera.width_px < kNumLanes) {
-    PinholeCamera wider = camera;
-    wider.width_px = kNumLanes;
-    const auto raster = rasterize_depth(mesh, wider, camera_from_mesh);
-    return {left_part(raster.depth_mm, camera.width_px),
-            left_part(raster.triangle_idx, camera.width_px)};
-  }
-  DepthRaster raster{
-      Image<float>(camera.width_px, camera.height_px, 0.0F),
-      Image<std::uint32_t>(camera.width_px, camera.height_px, DepthRaster::kNothing)};
-  const auto projected = project_all(mesh, camera, camera_from_mesh);
+  const PinholeCamera wide = wide_enough(camera);
+  DepthRaster raster = empty_raster(wide);
   Canvas canvas(raster);
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    const auto& [a, b, c] = mesh.triangles[i];
-    const bool in_front = projected[a].inverse_depth > 0.0F && projected[b].inverse_depth > 0.0F &&
-                          projected[c].inverse_depth > 0.0F;
-    if (!in_front) continue;
-    canvas.draw(projected[a], projected[b], projected[c], static_cast<std::uint32_t>(i));
-  }
-  for (std::size_t i = 0; i < raster.depth_mm.size(); ++i) {
-    float& value = raster.depth_mm.data()[i];
-    if (value > 0.0F) value = 1.0F / value;
-  }
-  return raster;
+  for_each_projected(
+      mesh, wide, camera_from_mesh, [&](const auto& a, const auto& b, const auto& c, auto i) {
+        canvas.draw(a, b, c, i);
+      });
+  invert(raster.depth_mm);
+  if (wide == camera) return raster;
+  return {left_part(raster.depth_mm, camera.width_px),
+          left_part(raster.triangle_idx, camera.width_px)};
+}
+
+TwoSidedDepth rasterize_sides(const TriangleMesh& mesh,
+                              const PinholeCamera& camera,
+                              const Eigen::Isometry3d& camera_from_mesh) {
+  const PinholeCamera wide = wide_enough(camera);
+  DepthRaster outer = empty_raster(wide);
+  DepthRaster inner = empty_raster(wide);
+  Canvas outer_canvas(outer);
+  Canvas inner_canvas(inner);
+  for_each_projected(
+      mesh, wide, camera_from_mesh, [&](const auto& a, const auto& b, const auto& c, auto i) {
+        (twice_area(a, b, c) < 0.0F ? outer_canvas : inner_canvas).draw(a, b, c, i);
+      });
+  invert(outer.depth_mm);
+  invert(inner.depth_mm);
+  if (wide == camera) return {std::move(outer.depth_mm), std::move(inner.depth_mm)};
+  return {left_part(outer.depth_mm, camera.width_px), left_part(inner.depth_mm, camera.width_px)};
 }
 
 }  // namespace mor

@@ -32,4 +32,16 @@ struct DepthRaster {
                                           const PinholeCamera& camera,
                                           const Eigen::Isometry3d& camera_from_mesh);
 
+/// What a pinhole camera sees of a mesh's outer sides, and of its inner ones, each as if the other
+/// were not there.
+struct TwoSidedDepth {
+  Image<float> outer_mm;  ///< z in the camera frame; 0 where nothing is seen.
+  Image<float> inner_mm;
+};
+
+/// As rasterize_depth, the two sides of the triangles apart.
+[[nodiscard]] TwoSidedDepth rasterize_sides(const TriangleMesh& mesh,
+                                            const PinholeCamera& camera,
+                                            const Eigen::Isometry3d& camera_from_mesh);
+
 }  // namespace mor

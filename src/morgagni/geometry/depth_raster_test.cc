@@ -181,6 +181,28 @@ TEST(DepthRaster, SeesATriangleFromBothSidesAndTheNearerOfTwo) {
   }
 }
 
+TEST(DepthRaster, TellsTheOuterSideFromTheInnerOne) {
+  const auto sides = rasterize_sides(ball(60.0F, 120), kCamera, moved(0.0, 0.0, 400.0));
+  const auto together = rasterize_depth(ball(60.0F, 120), kCamera, moved(0.0, 0.0, 400.0));
+  int num_seen = 0;
+  for (int y = 0; y < kCamera.height_px; ++y) {
+    for (int x = 0; x < kCamera.width_px; ++x) {
+      const Eigen::Vector3d ray = ray_of(x, y).normalized();
+      const double middle = 400.0 * ray.z();
+      const double beside_sq = 400.0 * 400.0 - middle * middle;
+      if (beside_sq > 58.0 * 58.0) continue;  // Its outline, to which facets are tangents.
+      ++num_seen;
+      const double half = std::sqrt(60.0 * 60.0 - beside_sq);
+      ASSERT_NEAR(sides.outer_mm(x, y), (middle - half) * ray.z(), 0.05) << x << ", " << y;
+      ASSERT_NEAR(sides.inner_mm(x, y), (middle + half) * ray.z(), 0.05) << x << ", " << y;
+      ASSERT_EQ(sides.outer_mm(x, y), together.depth_mm(x, y));
+    }
+  }
+  EXPECT_GT(num_seen, 900);
+  EXPECT_EQ(sides.outer_mm(1, 1), 0.0F);
+  EXPECT_EQ(sides.inner_mm(1, 1), 0.0F);
+}
+
 TEST(DepthRaster, DropsWhatIsBehindOrTouchesTheCamera) {
   TriangleMesh mesh;
   mesh.vertices = {{-50, -50, -400}, {50, -50, -400}, {0, 60, -400}, {0, 0, 0.5F}, {0, 0, 400}};

@@ -9,18 +9,9 @@
 #include "morgagni/core/image.h"
 #include "morgagni/geometry/pinhole_camera.h"
 #include "morgagni/geometry/triangle_mesh.h"
+#include "morgagni/render/skin_viewpoint.h"
 
 namespace mor {
-
-/// Where a virtual camera stands that looks at the middle of the CT skin.
-struct SkinViewpoint {
-  double yaw_rad = 0.0;  ///< Around the body's long axis; 0: from the front (anterior), pi/2: from
-                         ///< the body's left.
-  double pitch_rad = 0.0;  ///< Up towards the head; 0: level.
-  double zoom = 1.0;       ///< 1: the whole skin fits. > 0.
-  int width_px = 640;
-  int height_px = 480;
-};
 
 /// A picture of the CT skin and what is under each of its pixels: the page's view on which
 /// landmarks are tapped.

@@ -65,6 +65,7 @@ Json case_json(const Case& body, const PlacementOptions& placement) {
           {"structures", structures},
           {"has_ct", body.volume != nullptr},
           {"volume_presets", windows},
+          {"skin_radius_mm", bounding_sphere(body.skin->mesh).radius_mm},
           {"start_options",
            {{"distance_mm", placement.distance_mm},
             {"min", PlacementOptions::kMinDistanceMm},

@@ -14,6 +14,7 @@
 #include "morgagni/core/statistics.h"
 #include "morgagni/session/depth_pick.h"
 #include "morgagni/session/frame_rate.h"
+#include "morgagni/session/free_pictures.h"
 #include "morgagni/session/scene_view.h"
 #include "morgagni/session/start_search.h"
 
@@ -27,6 +28,8 @@ constexpr std::size_t kTimedFrames = 60;
 /// A still picture (frozen, or the camera silent) is drawn anew this often, so that changes of the
 /// view show and viewers who join see something.
 constexpr std::chrono::milliseconds kStillPeriod{100};
+/// While nothing arrives, a change of the view is looked for this often: a finger is on it.
+constexpr std::chrono::milliseconds kLookPeriod{33};
 constexpr std::chrono::milliseconds kCameraRetry{500};
 /// From one search's frame to the next one's at least: the camera has moved on by then.
 constexpr std::chrono::milliseconds kSearchPause{200};
@@ -45,6 +48,7 @@ class Loop final : public LiveLoop {
       : body_(std::move(body)),
         camera_(std::move(camera)),
         in_step_(in_step),
+        free_pictures_(bounding_sphere(body_->skin->mesh)),
         tracker_(std::move(tracker)),
         search_([automatic = std::move(automatic)](const RgbdFrame& frame, std::stop_token stop) {
           return automatic->find(frame.depth_mm.view(), stop);
@@ -145,7 +149,8 @@ class Loop final : public LiveLoop {
     still_.reset();
   }
 
-  Result<TouchedPoint> touch(const Eigen::Vector2d& color_pixel) override {
+  Result<TouchedPoint> touch(const Eigen::Vector2d& pixel) override {
+    if (free_pictures_.is_shown()) return free_pictures_.touch(pixel);
     const TrackedFrame shown = [this] {
       const std::lock_guard lock(mutex_);
       return still_ ? *still_ : last_;
@@ -154,7 +159,7 @@ class Loop final : public LiveLoop {
       return make_error(ErrorCode::kInvalidArgument,
                         "the body is not tracked: there is no CT point here");
     }
-    const auto touched = touched_point(shown, color_pixel);
+    const auto touched = touched_point(shown, pixel);
     if (!touched) {
       return make_error(ErrorCode::kInvalidArgument,
                         "the camera has no depth at this point: tap another one nearby");
@@ -176,6 +181,7 @@ class Loop final : public LiveLoop {
   void set_view(const ViewSettings& view) override {
     const std::lock_guard lock(mutex_);
     view_ = view;
+    ++view_version_;
   }
 
   std::optional<Snapshot> snapshot() const override {
@@ -191,6 +197,7 @@ class Loop final : public LiveLoop {
                         .picking_landmarks = picking_landmarks_,
                         .search = search_status_,
                         .bound_mm = std::nullopt,
+                        .colors_age_ms = std::nullopt,
                         .frame_rate = shown_rate_.per_second(Clock::now()),
                         .num_dropped = captured_.num_dropped() + tracked_.num_dropped(),
                         .wait_ms = wait_ms_.median(),
@@ -201,6 +208,7 @@ class Loop final : public LiveLoop {
                         .camera_error = camera_error_};
     }();
     status.bound_mm = bound_in_hole(status.last);
+    status.colors_age_ms = free_pictures_.colors_age_ms();
     return status;
   }
 
@@ -336,25 +344,29 @@ class Loop final : public LiveLoop {
   }
 
   void render(std::stop_token stop, const Show& show, std::promise<Result<void>>& ready) {
-    auto renderer = OverlayRenderer::create(scene_of(*body_));
-    if (!renderer) {
-      ready.set_value(tl::unexpected<Error>(renderer.error()));
+    auto renderers = make_renderers();
+    if (!renderers) {
+      ready.set_value(tl::unexpected<Error>(renderers.error()));
       return;
     }
-    log::info("pictures are drawn by {}", (*renderer)->device());
+    log::info("pictures are drawn by {}", renderers->overlay->device());
     ready.set_value({});
 
     Arrival newest;
+    std::uint64_t drawn_version = 0;
     auto next_still_at = Clock::now();
     while (!stop.stop_requested()) {
-      auto arrived = tracked_.take(stop, kStillPeriod);
+      auto arrived = tracked_.take(stop, kLookPeriod);
       const bool is_new = arrived.has_value();
       if (is_new) newest = *std::move(arrived);
-      const auto [shown, view, is_still] = choose(newest.tracked);
-      if (!shown.frame || ((is_still || !is_new) && Clock::now() < next_still_at)) continue;
+      Choice choice = choose(newest.tracked);
+      const bool is_due = (is_new && !choice.is_still) || choice.view_version != drawn_version ||
+                          Clock::now() >= next_still_at;
+      if (!choice.shown.frame || !is_due) continue;
       next_still_at = Clock::now() + kStillPeriod;
-      const auto came_at = in_step_ ? newest.came_at : shown.frame->captured_at;
-      draw(**renderer, shown, view, is_still, came_at, show);
+      drawn_version = choice.view_version;
+      choice.came_at = in_step_ ? newest.came_at : choice.shown.frame->captured_at;
+      draw(*renderers, choice, show);
     }
   }
 
@@ -363,38 +375,62 @@ class Loop final : public LiveLoop {
     Clock::time_point came_at;  ///< From when on the frame's age counts.
   };
 
+  struct Renderers {
+    std::unique_ptr<OverlayRenderer> overlay;
+    std::unique_ptr<FreeViewRenderer> free;
+  };
+
+  Result<Renderers> make_renderers() const {
+    const RenderScene scene = scene_of(*body_);
+    Renderers renderers;
+    MOR_TRY(renderers.overlay, OverlayRenderer::create(scene));
+    MOR_TRY(renderers.free, FreeViewRenderer::create(scene));
+    return renderers;
+  }
+
   struct Choice {
     TrackedFrame shown;
+    Clock::time_point came_at = {};
     ViewSettings view;
+    std::uint64_t view_version = 0;
     bool is_still = false;
+    bool is_free = false;
   };
 
   Choice choose(const TrackedFrame& newest) const {
     const std::lock_guard lock(mutex_);
-    return {still_ ? *still_ : newest, view_, still_.has_value()};
+    return {.shown = still_ ? *still_ : newest,
+            .came_at = {},
+            .view = view_,
+            .view_version = view_version_,
+            .is_still = still_.has_value(),
+            .is_free = view_.free.is_shown && !picking_landmarks_};
   }
 
-  void draw(OverlayRenderer& renderer,
-            const TrackedFrame& shown,
-            const ViewSettings& view,
-            bool is_still,
-            Clock::time_point came_at,
-            const Show& show) {
+  void draw(const Renderers& renderers, const Choice& choice, const Show& show) {
     const auto started = Clock::now();
-    const auto picture = renderer.render(
-        shown.frame->color.view(),
-        overlay_view(*shown.frame, shown.ct_from_depth, shown.ct_from_ghost, view, is_still));
+    ShownPicture what = shown_picture(choice.shown, choice.view, choice.is_still);
+    const auto picture = choice.is_free ? free_pictures_.draw(*renderers.free, what)
+                                        : draw_overlay(*renderers.overlay, what);
     if (!picture) {
       log::error("the picture cannot be drawn: {}", picture.error().message);
       return;
     }
-    const ShownPicture what = shown_picture(shown, view, is_still);
     const std::string marks = mark_ ? mark_(what) : std::string();
-    show(*picture, {came_at, picture_json(what, marks)});
+    show(*picture, {choice.came_at, picture_json(what, marks)});
     keep_snapshot(*picture, what, marks);
     const std::lock_guard lock(mutex_);
     render_ms_.add(ms_between(started, Clock::now()));
-    if (!is_still) shown_rate_.count(Clock::now());
+    if (!choice.is_still) shown_rate_.count(Clock::now());
+  }
+
+  Result<ImageView<const Rgba8>> draw_overlay(OverlayRenderer& renderer, const ShownPicture& what) {
+    const TrackedFrame& shown = what.tracked;
+    free_pictures_.pass_by(shown);
+    return renderer.render(
+        shown.frame->color.view(),
+        overlay_view(
+            *shown.frame, shown.ct_from_depth, shown.ct_from_ghost, what.view, what.is_still));
   }
 
   ShownPicture shown_picture(const TrackedFrame& shown,
@@ -404,6 +440,7 @@ class Loop final : public LiveLoop {
     ShownPicture what{.tracked = shown,
                       .view = view,
                       .is_still = is_still,
+                      .is_free = false,
                       .camera = calibration.color,
                       .camera_from_ct = std::nullopt,
                       .bound_mm = bound_in_hole(shown)};
@@ -432,6 +469,7 @@ class Loop final : public LiveLoop {
   const std::unique_ptr<RangeCamera> camera_;
 
   const bool in_step_;
+  FreePictures free_pictures_;
 
   std::mutex tracker_mutex_;  ///< Guards the tracker and what it is started from.
   Tracker tracker_;
@@ -443,6 +481,7 @@ class Loop final : public LiveLoop {
 
   mutable std::mutex mutex_;  ///< Guards everything down to the next blank line.
   ViewSettings view_;
+  std::uint64_t view_version_ = 0;
   TrackedFrame last_;
   std::optional<TrackedFrame> still_;  ///< Shown instead of the newest.
   bool picking_landmarks_ = false;

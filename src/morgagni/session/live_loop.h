@@ -17,6 +17,7 @@
 #include "morgagni/registration/automatic_start.h"
 #include "morgagni/registration/start.h"
 #include "morgagni/session/shown_picture.h"
+#include "morgagni/session/touched_point.h"
 #include "morgagni/session/view_settings.h"
 #include "morgagni/stream/live_server.h"
 #include "morgagni/tracking/tracker.h"
@@ -47,13 +48,6 @@ struct SearchStatus {
   std::string reason;                        ///< Why it found no start, in words.
 };
 
-/// A CT point under a finger on the picture.
-struct TouchedPoint {
-  Eigen::Vector3d ct_mm = Eigen::Vector3d::Zero();
-  std::optional<double> bound_mm;  ///< 95 % of the errors there are smaller. None: not known.
-  TrackingState state = TrackingState::kWaiting;
-};
-
 /// What goes on, for the page.
 struct LiveStatus {
   TrackedFrame last;  ///< Newest tracked frame; its `frame` is null before the first.
@@ -62,6 +56,8 @@ struct LiveStatus {
   SearchStatus search;
   /// Error bound on the skin in the middle of the hole, of the newest frame.
   std::optional<double> bound_mm;
+  /// Age of the picture whose colours the free view shows. None: it has had no good one yet.
+  std::optional<double> colors_age_ms;
   double frame_rate = 0.0;
   std::uint64_t num_dropped = 0;  ///< Frames that a slower stage passed over.
   double wait_ms = 0.0;           ///< Medians of the last 60 frames: capture to tracking,
@@ -124,9 +120,10 @@ class LiveLoop {
   [[nodiscard]] virtual Result<void> accept_landmarks(const std::vector<LandmarkPair>& pairs) = 0;
   virtual void cancel_landmarks() = 0;
 
-  /// What lies under a pixel of the colour picture shown, and how sure that is.
-  /// @errors kInvalidArgument: there is no pose, or no depth there.
-  [[nodiscard]] virtual Result<TouchedPoint> touch(const Eigen::Vector2d& color_pixel) = 0;
+  /// What lies under a pixel of the picture shown, and how sure that is. In the free view it is
+  /// what is seen there: the skin, or where that is cut away the inside.
+  /// @errors kInvalidArgument: there is no pose, or no depth or body there.
+  [[nodiscard]] virtual Result<TouchedPoint> touch(const Eigen::Vector2d& pixel) = 0;
 
   virtual void set_frozen(bool frozen) = 0;
   [[nodiscard]] virtual ViewSettings view() const = 0;

@@ -144,6 +144,108 @@ TEST_F(LiveLoopTest, CatchesThePlacedBodyAndShowsIt) {
   EXPECT_NEAR(said["bound_mm"].get<double>(), 2.0, 2.0);
 }
 
+TEST_F(LiveLoopTest, TheFreeViewTurnsGoesOnAndComesBack) {
+  start_simulated();
+  ASSERT_TRUE(tracks());
+  const auto shows = [this](const std::string& picture) {
+    return eventually([&] {
+      const std::lock_guard lock(mutex_);
+      return last_info_["picture"] == picture;
+    });
+  };
+  ASSERT_TRUE(shows("camera"));
+  ASSERT_EQ(ask("POST /api/view", R"({"picture": "free"})").status, 200);
+  ASSERT_TRUE(shows("free"));
+  EXPECT_EQ(last_width_, 640) << "the stream's size stays";
+  EXPECT_LT(loop_->status().colors_age_ms.value(), 5000.0);
+
+  // Frozen, only the virtual camera moves.
+  EXPECT_EQ(ask("POST /api/freeze", R"({"frozen": true})").status, 200);
+  ASSERT_TRUE(eventually([&] {
+    const std::lock_guard lock(mutex_);
+    return last_info_["frozen"] == true && last_info_["picture"] == "free";
+  }));
+  const auto before = loop_->snapshot()->pixels;
+  EXPECT_EQ(ask("POST /api/view", R"({"free_yaw": 1.0})").status, 200);
+  EXPECT_TRUE(eventually([&] { return loop_->snapshot()->pixels != before; }));
+  EXPECT_EQ(ask("POST /api/view", R"({"free_yaw": 0.0})").status, 200);
+  EXPECT_TRUE(eventually([&] { return loop_->snapshot()->pixels == before; })) << "another picture";
+
+  ASSERT_EQ(ask("POST /api/view", R"({"picture": "camera"})").status, 200);
+  EXPECT_TRUE(shows("camera"));
+}
+
+TEST_F(LiveLoopTest, ATouchOnTheFreeViewIsThePointSeenThere) {
+  start_simulated();
+  ASSERT_TRUE(tracks());
+  ASSERT_EQ(ask("POST /api/view", R"({"picture": "free", "free_bare_skin": true})").status, 200);
+  ASSERT_TRUE(eventually([this] {
+    const std::lock_guard lock(mutex_);
+    return last_info_["picture"] == "free";
+  }));
+  const auto answer = ask("POST /api/touch", R"({"x": 319.5, "y": 239.5})");
+  ASSERT_EQ(answer.status, 200) << answer.body;
+  const auto ct = Json::parse(answer.body)["ct_mm"].get<std::vector<double>>();
+  // From the front: on the skin, before the body's middle.
+  const auto bounds = synthetic_case()->skin->mesh.bounds();
+  EXPECT_LT(ct.at(1), bounds.center().y());
+  FieldSample sample;
+  const Eigen::Vector3d point(ct.at(0), ct.at(1), ct.at(2));
+  ASSERT_TRUE(
+      DistanceField::look_up(synthetic_case()->skin->field.fine(), point.cast<float>(), sample));
+  EXPECT_LT(std::abs(sample.distance_mm), 2.0F);
+  const auto beside = ask("POST /api/touch", R"({"x": 2, "y": 2})");
+  EXPECT_EQ(beside.status, 400);
+  EXPECT_THAT(beside.body, HasSubstr("there is no body at this point"));
+}
+
+TEST_F(LiveLoopTest, TheFreeViewKeepsTheLastGoodColorsWhenTheBodyIsGone) {
+  // The body is seen, then the camera looks at nothing.
+  const auto body = synthetic_case();
+  auto simulated = open_camera("simulated:path=still",
+                               std::shared_ptr<const TriangleMesh>(body->skin, &body->skin->mesh));
+  ASSERT_TRUE(simulated) << simulated.error().message;
+  auto is_gone = std::make_shared<std::atomic<bool>>(false);
+  auto source = std::shared_ptr<RangeCamera>(*std::move(simulated));
+  class Blinded final : public RangeCamera {
+   public:
+    Blinded(std::shared_ptr<RangeCamera> camera, std::shared_ptr<std::atomic<bool>> is_gone)
+        : camera_(std::move(camera)), is_gone_(std::move(is_gone)) {}
+    Result<std::shared_ptr<const RgbdFrame>> next_frame(std::stop_token stop) override {
+      auto frame = camera_->next_frame(stop);
+      if (!frame || !*frame || !*is_gone_) return frame;
+      auto blind = std::make_shared<RgbdFrame>(**frame);
+      blind->depth_mm = Image<std::uint16_t>(blind->depth_mm.width(), blind->depth_mm.height(), 0);
+      blind->color = Image<Rgb8>(blind->color.width(), blind->color.height(), Rgb8{0, 255, 0});
+      return std::shared_ptr<const RgbdFrame>(std::move(blind));
+    }
+    const RgbdCalibration& calibration() const override { return camera_->calibration(); }
+
+   private:
+    std::shared_ptr<RangeCamera> camera_;
+    std::shared_ptr<std::atomic<bool>> is_gone_;
+  };
+  start(std::make_unique<Blinded>(source, is_gone), {.start = StartMethod::kPlacement});
+  ASSERT_TRUE(tracks());
+  ASSERT_EQ(ask("POST /api/view", R"({"picture": "free"})").status, 200);
+  *is_gone = true;
+  ASSERT_TRUE(eventually([this] {
+    const std::lock_guard lock(mutex_);
+    return last_info_["state"] == "lost" && last_info_["picture"] == "free";
+  }));
+  const auto picture = loop_->snapshot()->pixels;
+  int num_skin = 0;
+  for (int y = 0; y < picture.height(); ++y) {
+    for (int x = 0; x < picture.width(); ++x) {
+      const Rgba8& pixel = picture(x, y);
+      num_skin += pixel.r > 60 && pixel.r > pixel.b ? 1 : 0;
+      ASSERT_FALSE(pixel.g > 200 && pixel.r < 50) << "colours of a picture without the body";
+    }
+  }
+  EXPECT_GT(num_skin, 1000);
+  EXPECT_GT(loop_->status().colors_age_ms.value(), 300.0);
+}
+
 TEST_F(LiveLoopTest, ObserversGetEachTrackedFrameInOrderAlsoWhileThePictureIsFrozen) {
   start_simulated();
   ASSERT_TRUE(tracks());
@@ -336,6 +438,7 @@ TEST(StatusJson, HasEveryMemberThePageReads) {
                              "held",
                              "doubts",
                              "bound_mm",
+                             "colors_age_ms",
                              "search",
                              "starting",
                              "frozen",

@@ -18,6 +18,14 @@ bool has_structure(const Case& body, const std::string& name) {
   });
 }
 
+std::map<std::string, float> opacities(const ViewSettings& view) {
+  std::map<std::string, float> result;
+  for (const auto& [name, look] : view.structures) {
+    result[name] = look.is_shown ? look.opacity : 0.0F;
+  }
+  return result;
+}
+
 }  // namespace
 
 RenderScene scene_of(const Case& body) {
@@ -60,13 +68,41 @@ OverlayView overlay_view(const RgbdFrame& frame,
   overlay.is_still = is_still;
   if (ct_from_depth) overlay.color_from_ct = color_from_depth * ct_from_depth->inverse();
   if (ct_from_ghost) overlay.color_from_ghost = color_from_depth * ct_from_ghost->inverse();
-  for (const auto& [name, look] : view.structures) {
-    overlay.structure_opacity[name] = look.is_shown ? look.opacity : 0.0F;
-  }
+  overlay.structure_opacity = opacities(view);
   if (view.keeps_hands_in_front) {
     overlay.measured = {frame.depth_mm.view(), depth_camera, color_from_depth};
   }
   return overlay;
+}
+
+FreeView free_view(const ViewSettings& view,
+                   const SkinSphere& skin,
+                   int width_px,
+                   int height_px,
+                   const RgbdFrame* textured,
+                   const std::optional<Eigen::Isometry3d>& ct_from_depth) {
+  const SkinViewpoint viewpoint{.yaw_rad = view.free.yaw_rad,
+                                .pitch_rad = view.free.pitch_rad,
+                                .zoom = view.free.zoom,
+                                .width_px = width_px,
+                                .height_px = height_px,
+                                .target_mm = view.free.target_mm};
+  FreeView free;
+  free.camera = view_camera(viewpoint);
+  free.view_from_ct = view_from_ct(viewpoint, skin);
+  free.shows_bare_skin = view.free.shows_bare_skin;
+  free.structure_opacity = opacities(view);
+  free.structure_opacity[kSkinName] = 0.0F;  // It is there in colours.
+  if (textured == nullptr || !ct_from_depth) return free;
+  const auto& [depth_camera, color_camera, color_from_depth] = *textured->calibration;
+  free.picture = {.color = textured->color.view(),
+                  .camera = color_camera,
+                  .color_from_ct = color_from_depth * ct_from_depth->inverse()};
+  if (view.keeps_hands_in_front) {
+    free.picture->measured = {textured->depth_mm.view(), depth_camera, color_from_depth};
+  }
+  if (view.free.opens_hole) free.picture->hole = view.hole;
+  return free;
 }
 
 }  // namespace mor

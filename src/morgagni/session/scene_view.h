@@ -8,7 +8,9 @@
 
 #include "morgagni/camera/range_camera.h"
 #include "morgagni/casefile/case.h"
+#include "morgagni/render/free_view.h"
 #include "morgagni/render/overlay_renderer.h"
+#include "morgagni/render/skin_viewpoint.h"
 #include "morgagni/session/view_settings.h"
 
 namespace mor {
@@ -28,5 +30,15 @@ namespace mor {
                                        const std::optional<Eigen::Isometry3d>& ct_from_ghost,
                                        const ViewSettings& view,
                                        bool is_still);
+
+/// The free view of a picture of that size.
+/// @param textured  The frame whose colours the skin wears, and its pose; null: it has none yet.
+/// Must outlive the result, which looks at its pictures.
+[[nodiscard]] FreeView free_view(const ViewSettings& view,
+                                 const SkinSphere& skin,
+                                 int width_px,
+                                 int height_px,
+                                 const RgbdFrame* textured,
+                                 const std::optional<Eigen::Isometry3d>& ct_from_depth);
 
 }  // namespace mor

@@ -25,6 +25,7 @@ std::string picture_json(const ShownPicture& shown, const std::string& marks) {
                {"state", to_string(shown.tracked.state)},
                {"held", shown.tracked.is_held},
                {"frozen", shown.is_still},
+               {"picture", shown.is_free ? "free" : "camera"},
                {"bound_mm", shown.bound_mm ? Json(*shown.bound_mm) : Json(nullptr)},
                {"ct_from_camera", nullptr},
                {"marks", Json::array()}};

@@ -19,6 +19,7 @@ struct ShownPicture {
   TrackedFrame tracked;
   ViewSettings view;
   bool is_still = false;  ///< Frozen.
+  bool is_free = false;   ///< A free view, not the camera's picture.
   /// The picture's own: the colour camera, or the virtual one of a free view.
   PinholeCamera camera;
   std::optional<Eigen::Isometry3d> camera_from_ct;  ///< None: the body is not in it.

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <string_view>
 
 #include <nlohmann/json.hpp>
@@ -21,6 +22,11 @@ constexpr float kMaxSliceDepthMm = 600.0F;
 constexpr float kLeastHu = -1024.0F;
 constexpr float kMostHu = 3071.0F;
 constexpr float kWidestHu = 8192.0F;
+constexpr double kMostTurnRad = 1000.0;
+constexpr double kMostPitchRad = 0.5 * std::numbers::pi;
+constexpr double kLeastZoom = 0.3;
+constexpr double kMostZoom = 20.0;
+constexpr double kFarthestTargetMm = 3000.0;
 constexpr std::array<std::string_view, 5> kPlaneNames = {
     "none", "axial", "coronal", "sagittal", "camera"};
 
@@ -28,13 +34,13 @@ tl::unexpected<Error> refuse(const std::string& sentence) {
   return make_error(ErrorCode::kInvalidArgument, sentence);
 }
 
-Result<void> set_number(
-    float& value, const std::string& name, const Json& json, float least, float most) {
-  if (!json.is_number() || !(json.get<float>() >= least && json.get<float>() <= most)) {
-    return refuse(
-        fmt::format("{} must be a number from {} to {}, got {}", name, least, most, json.dump()));
+template <class T>
+Result<void> set_number(T& value, const std::string& name, const Json& json, T least, T most) {
+  if (!json.is_number() || !(json.get<T>() >= least && json.get<T>() <= most)) {
+    return refuse(fmt::format(
+        "{} must be a number from {:.6g} to {:.6g}, got {}", name, least, most, json.dump()));
   }
-  value = json.get<float>();
+  value = json.get<T>();
   return {};
 }
 
@@ -105,6 +111,26 @@ Result<void> set_slice_window(float& value, const std::string& name, const Json&
   return {};
 }
 
+Result<void> set_picture(ViewSettings& view, const Json& json) {
+  if (json != "camera" && json != "free") {
+    return refuse(fmt::format("picture must be camera or free, got {}", json.dump()));
+  }
+  view.free.is_shown = json == "free";
+  return {};
+}
+
+Result<void> set_target(Eigen::Vector3d& target_mm, const std::string& name, const Json& json) {
+  if (!json.is_array() || json.size() != 3) return refuse(name + " must be three numbers");
+  for (int i = 0; i < 3; ++i) {
+    MOR_CHECK(set_number(target_mm[i], name, json[i], -kFarthestTargetMm, kFarthestTargetMm));
+  }
+  return {};
+}
+
+Json triple(const Eigen::Vector3d& v) {
+  return Json::array({v.x(), v.y(), v.z()});
+}
+
 using Setter = std::function<Result<void>(ViewSettings&, const std::string&, const Json&)>;
 
 Result<void> set_shown(StructureLook& look, const std::string& name, const Json& json) {
@@ -126,6 +152,24 @@ const std::map<std::string, Setter>& setters() {
        [](auto& v, auto& n, auto& j) { return set_number(v.hole.rim, n, j, 0.0F, kMaxRim); }},
       {"hole_x", [](auto& v, auto& n, auto& j) { return set_share(v.hole.center.x(), n, j); }},
       {"hole_y", [](auto& v, auto& n, auto& j) { return set_share(v.hole.center.y(), n, j); }},
+      {"picture", [](auto& v, auto&, auto& j) { return set_picture(v, j); }},
+      {"free_yaw",
+       [](auto& v, auto& n, auto& j) {
+         return set_number(v.free.yaw_rad, n, j, -kMostTurnRad, kMostTurnRad);
+       }},
+      {"free_pitch",
+       [](auto& v, auto& n, auto& j) {
+         return set_number(v.free.pitch_rad, n, j, -kMostPitchRad, kMostPitchRad);
+       }},
+      {"free_zoom",
+       [](auto& v, auto& n, auto& j) {
+         return set_number(v.free.zoom, n, j, kLeastZoom, kMostZoom);
+       }},
+      {"free_target_mm",
+       [](auto& v, auto& n, auto& j) { return set_target(v.free.target_mm, n, j); }},
+      {"free_hole", [](auto& v, auto& n, auto& j) { return set_flag(v.free.opens_hole, n, j); }},
+      {"free_bare_skin",
+       [](auto& v, auto& n, auto& j) { return set_flag(v.free.shows_bare_skin, n, j); }},
       {"hands_in_front",
        [](auto& v, auto& n, auto& j) { return set_flag(v.keeps_hands_in_front, n, j); }},
       {"outlines", [](auto& v, auto& n, auto& j) { return set_flag(v.has_outlines, n, j); }},
@@ -172,6 +216,13 @@ std::string to_json(const ViewSettings& view) {
               {"hole_rim", view.hole.rim},
               {"hole_x", view.hole.center.x()},
               {"hole_y", view.hole.center.y()},
+              {"picture", view.free.is_shown ? "free" : "camera"},
+              {"free_yaw", view.free.yaw_rad},
+              {"free_pitch", view.free.pitch_rad},
+              {"free_zoom", view.free.zoom},
+              {"free_target_mm", triple(view.free.target_mm)},
+              {"free_hole", view.free.opens_hole},
+              {"free_bare_skin", view.free.shows_bare_skin},
               {"hands_in_front", view.keeps_hands_in_front},
               {"outlines", view.has_outlines},
               {"structures", shown},

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "morgagni/core/result.h"
 #include "morgagni/render/overlay_renderer.h"
 
@@ -14,6 +16,17 @@ namespace mor {
 struct StructureLook {
   bool is_shown = true;
   float opacity = 1.0F;  ///< 0..1.
+};
+
+/// The body from a side of one's own choice, with the live picture on its skin.
+struct FreeViewSettings {
+  bool is_shown = false;  ///< Instead of the camera's picture.
+  double yaw_rad = 0.0;   ///< As SkinViewpoint's.
+  double pitch_rad = 0.0;
+  double zoom = 1.3;  ///< The skin's sphere is larger than what is seen of it.
+  Eigen::Vector3d target_mm = Eigen::Vector3d::Zero();
+  bool opens_hole = false;       ///< The hole of the camera's picture is cut into the skin.
+  bool shows_bare_skin = false;  ///< Where it has no colours; else that is cut away.
 };
 
 /// How the user wants the live picture. Shares are of the colour picture.
@@ -25,6 +38,7 @@ struct ViewSettings {
   std::map<std::string, StructureLook> structures;  ///< By name.
   SliceView slice;
   VolumeView volume;
+  FreeViewSettings free;
   bool has_ct = false;  ///< The case has the voxels that slices and volume are made of.
 };
 

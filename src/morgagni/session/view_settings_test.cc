@@ -76,5 +76,33 @@ TEST(ViewSettings, SaysWhatItDoesNotUnderstand) {
   EXPECT_THAT(message(R"({"structures": {"liver": true}})"), HasSubstr("no structure \"liver\""));
 }
 
+TEST(ViewSettings, TheFreeViewIsReadBackAsItWasSaid) {
+  const auto view = changed({}, R"({"picture": "free", "free_yaw": -1.5, "free_pitch": 0.25,
+      "free_zoom": 4, "free_target_mm": [10, -20, 30.5], "free_hole": true, "free_bare_skin": true})");
+  ASSERT_TRUE(view) << view.error().message;
+  EXPECT_TRUE(view->free.is_shown);
+  EXPECT_EQ(view->free.target_mm, Eigen::Vector3d(10, -20, 30.5));
+  const auto again = changed({}, to_json(*view));
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(to_json(*again), to_json(*view));
+}
+
+TEST(ViewSettings, RefusesAFreeViewThatIsNone) {
+  const auto why = [](const std::string& json) {
+    const auto view = changed({}, json);
+    return view ? std::string("taken") : view.error().message;
+  };
+  EXPECT_THAT(why(R"({"picture": "side"})"),
+              HasSubstr("picture must be camera or free, got \"side\""));
+  EXPECT_THAT(why(R"({"free_pitch": 2})"),
+              HasSubstr("free_pitch must be a number from -1.5708 to 1.5708"));
+  EXPECT_THAT(why(R"({"free_zoom": 0})"),
+              HasSubstr("free_zoom must be a number from 0.3 to 20, got 0"));
+  EXPECT_THAT(why(R"({"free_target_mm": [1, 2]})"),
+              HasSubstr("free_target_mm must be three numbers"));
+  EXPECT_THAT(why(R"({"free_target_mm": [1, 2, 1e9]})"), HasSubstr("from -3000 to 3000"));
+  EXPECT_THAT(why(R"({"free_hole": 1})"), HasSubstr("free_hole must be true or false"));
+}
+
 }  // namespace
 }  // namespace mor

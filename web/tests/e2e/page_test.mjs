@@ -168,6 +168,53 @@ async function start_by_landmarks() {
   await page.waitForFunction(() => window.morgagni.status.starting === null);
 }
 
+/** Fingers on the free view, as the browser makes events of them. */
+async function fingers(...steps) {
+  const session = await page.context().newCDPSession(page);
+  const box = await page.locator('.stage').boundingBox();
+  for (const [type, ...points] of steps) {
+    await session.send('Input.dispatchTouchEvent', { type, touchPoints: points.map(([x, y], id) =>
+      ({ x: box.x + x * box.width, y: box.y + y * box.height, id })) });
+    await pause(60);
+  }
+  await session.detach();
+}
+
+async function free_view_by_hand() {
+  await page.getByRole('tab', { name: 'Surface' }).click();
+  await check_targets('the surface topic');
+  await page.getByRole('button', { name: 'Free view' }).click();
+  await view_becomes((view) => view.picture === 'free');
+  await page.getByText('Colours of now.').waitFor();
+  const { hole_x } = (await live.status()).view;
+  await fingers(['touchStart', [0.5, 0.5]], ['touchMove', [0.4, 0.5]], ['touchMove', [0.3, 0.6]], ['touchEnd']);
+  await view_becomes((view) => view.free_yaw > 0.3 && view.free_pitch > 0.1);
+  assert.equal((await live.status()).view.hole_x, hole_x, 'the hole moved with the body');
+  await fingers(['touchStart', [0.4, 0.5], [0.6, 0.5]], ['touchMove', [0.35, 0.5], [0.65, 0.5]],
+    ['touchMove', [0.3, 0.4], [0.7, 0.4]], ['touchEnd']);
+  await view_becomes((view) => view.free_zoom > 2 && view.free_target_mm[2] < 0);
+  await page.mouse.move(500, 400);
+  await page.mouse.wheel(0, 120);
+  await view_becomes((view) => view.free_zoom < 2.5);
+  await key('Left').click();
+  await view_becomes((view) => view.free_yaw === Math.PI / 2 && view.free_pitch === 0);
+  await key('Skin without colours').click();
+  await key('Hole in the skin').click();
+  await view_becomes((view) => view.free_bare_skin && view.free_hole);
+  await shoot('surface');
+  await pretend({ state: 'lost', colors_age_ms: 4200 });
+  await page.locator('.banner', { hasText: 'Last good picture, 4.2 s old: lost' }).waitFor();
+  await shoot('surface_lost');
+  await pretend({ state: 'tracking', colors_age_ms: 40 });
+  await key('Reset').click();
+  await view_becomes((view) => view.free_yaw === 0 && view.free_zoom === 1.3 && view.free_target_mm[0] === 0);
+  await page.getByRole('tab', { name: 'Look' }).click();
+  await key('Placement').click();
+  await view_becomes((view) => view.picture === 'camera');
+  await key('Close').click();
+  await pretend({ state: 'tracking', starting: null });
+}
+
 async function freeze_and_snapshot() {
   await key('Freeze').click();
   await page.getByText('Frozen: this is not the live picture').waitFor();
@@ -195,7 +242,7 @@ try {
   await check_targets('the live view');
   for (const step of [states_are_words, view_follows_the_finger, start_automatically,
     touch_says_the_error, start_by_placement,
-    start_by_landmarks, freeze_and_snapshot, other_screens]) {
+    start_by_landmarks, free_view_by_hand, freeze_and_snapshot, other_screens]) {
     await step().catch((error) => {
       throw new Error(`${step.name}: ${error.message}`);
     });

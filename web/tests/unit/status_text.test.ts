@@ -4,7 +4,7 @@ import { describe, expect, it } from 'vitest';
 import type { Status } from '../../src/api';
 import { sentenceOf } from '../../src/server_error';
 import {
-  adviceOf, bannerOf, milliseconds, millimetres, snapshotName, stateWords, touchLines,
+  adviceOf, bannerOf, colorsText, milliseconds, millimetres, snapshotName, stateWords, touchLines,
 } from '../../src/status_text';
 
 const status = (change: Partial<Status>): Status => ({
@@ -33,6 +33,26 @@ describe('bannerOf', () => {
     const picking = status({ frozen: true, starting: 'landmarks' });
     expect(bannerOf('stale', 3200, '', picking, true)).toBeUndefined();
     expect(bannerOf('stale', 3200, '', picking)?.kind).toBe('calm');
+  });
+});
+
+describe('the free view', () => {
+  const free = (change: Partial<Status>): Status =>
+    status({ colors_age_ms: 40, view: { picture: 'free' } as Status['view'], ...change });
+  it('is silent while its colours are of now', () => {
+    expect(bannerOf('live', 30, '', free({}))).toBeUndefined();
+    expect(colorsText(free({}))).toBe('Colours of now.');
+  });
+  it('never lets old colours pass for those of now', () => {
+    const lost = free({ state: 'lost', colors_age_ms: 3200 });
+    expect(bannerOf('live', 30, '', lost)?.text).toBe('Last good picture, 3.2 s old: lost');
+    expect(colorsText(lost)).toBe('Colours of 3.2 s ago.');
+    expect(bannerOf('live', 30, '', free({ state: 'uncertain', colors_age_ms: 61234 }))?.text).toBe(
+      'Last good picture, 61 s old: uncertain');
+  });
+  it('says that there are none yet', () => {
+    expect(bannerOf('live', 30, '', free({ state: 'waiting', colors_age_ms: null }))?.text).toBe(
+      'No colours yet: the body has not been tracked');
   });
 });
 

@@ -75,6 +75,64 @@ Result<GlProgram> make_program(const char* vertex_text, const char* fragment_tex
                     fmt::format("the OpenGL driver refuses a program: {}", words.data()));
 }
 
+void GlPicture::upload(ImageView<const Rgba8> picture) {
+  upload(picture.width(),
+         picture.height(),
+         GL_RGBA8,
+         GL_RGBA,
+         GL_UNSIGNED_BYTE,
+         picture.row(0),
+         picture.stride(),
+         GL_LINEAR);
+}
+
+void GlPicture::upload(ImageView<const float> values) {
+  upload(values.width(),
+         values.height(),
+         GL_R32F,
+         GL_RED,
+         GL_FLOAT,
+         values.row(0),
+         values.stride(),
+         GL_NEAREST);
+}
+
+void GlPicture::upload(int width,
+                       int height,
+                       GLint internal_format,
+                       GLenum format,
+                       GLenum type,
+                       const void* pixels,
+                       std::ptrdiff_t stride,
+                       GLint filter) {
+  const bool is_new = texture_.get() == 0;
+  if (is_new) {
+    GLuint name = 0;
+    glGenTextures(1, &name);
+    texture_ = GlTexture(name);
+  }
+  glBindTexture(GL_TEXTURE_2D, texture_.get());
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, static_cast<GLint>(stride));
+  if (!is_new && width == width_ && height == height_) {
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, height, format, type, pixels);
+  } else {
+    width_ = width;
+    height_ = height;
+    glTexImage2D(GL_TEXTURE_2D, 0, internal_format, width, height, 0, format, type, pixels);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  }
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+}
+
+void GlPicture::bind(GLenum texture_unit) const {
+  glActiveTexture(texture_unit);
+  glBindTexture(GL_TEXTURE_2D, texture_.get());
+  glActiveTexture(GL_TEXTURE0);
+}
+
 Result<void> RenderTarget::allocate(int width, int height) {
   width_ = std::max(width, width_);
   height_ = std::max(height, height_);

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <utility>
 
 #include <epoxy/gl.h>
 
+#include "morgagni/core/image.h"
 #include "morgagni/core/result.h"
 
 namespace mor::internal {
@@ -44,6 +46,9 @@ inline void delete_renderbuffer(GLuint name) {
 inline void delete_framebuffer(GLuint name) {
   glDeleteFramebuffers(1, &name);
 }
+inline void delete_texture(GLuint name) {
+  glDeleteTextures(1, &name);
+}
 inline void delete_program(GLuint name) {
   glDeleteProgram(name);
 }
@@ -52,6 +57,7 @@ using GlBuffer = GlName<delete_buffer>;
 using GlVertexArray = GlName<delete_vertex_array>;
 using GlRenderbuffer = GlName<delete_renderbuffer>;
 using GlFramebuffer = GlName<delete_framebuffer>;
+using GlTexture = GlName<delete_texture>;
 using GlProgram = GlName<delete_program>;
 
 [[nodiscard]] GlBuffer make_buffer();
@@ -59,6 +65,31 @@ using GlProgram = GlName<delete_program>;
 
 /// Compiles and links. @errors kDevice: the compiler's own words.
 [[nodiscard]] Result<GlProgram> make_program(const char* vertex_text, const char* fragment_text);
+
+/// A picture on the device that shaders look at. Keeps its memory while the size stays.
+class GlPicture {
+ public:
+  /// Between pixels the mean of them; beyond the edge as at the edge.
+  void upload(ImageView<const Rgba8> picture);
+  /// For looking at single pixels.
+  void upload(ImageView<const float> values);
+
+  void bind(GLenum texture_unit) const;
+
+ private:
+  void upload(int width,
+              int height,
+              GLint internal_format,
+              GLenum format,
+              GLenum type,
+              const void* pixels,
+              std::ptrdiff_t stride,
+              GLint filter);
+
+  GlTexture texture_;
+  int width_ = 0;
+  int height_ = 0;
+};
 
 /// Colour (RGBA8) and depth, off screen, several samples a pixel where the device has them. Keeps
 /// its memory while the size asked for fits.

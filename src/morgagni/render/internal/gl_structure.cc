@@ -202,12 +202,33 @@ GlStructure::GlStructure(std::string name, const TriangleMesh& mesh, const Eigen
   glVertexAttribPointer(1, 3, GL_BYTE, GL_TRUE, sizeof(PackedVertex), normal_offset);
 }
 
+void GlStructure::set_places(std::span<const Eigen::Vector2f> places) {
+  places_ = make_buffer();
+  glBindVertexArray(vertex_array_.get());
+  glBindBuffer(GL_ARRAY_BUFFER, places_.get());
+  glBufferData(
+      GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(places.size_bytes()), places.data(), GL_STATIC_DRAW);
+  glEnableVertexAttribArray(2);
+  glVertexAttribPointer(2, 2, GL_FLOAT, GL_FALSE, sizeof(Eigen::Vector2f), nullptr);
+}
+
 void GlStructure::draw(bool is_cut) const {
   if (is_closed_ && !is_cut) {
     glEnable(GL_CULL_FACE);
   } else {
     glDisable(GL_CULL_FACE);
   }
+  draw_triangles();
+}
+
+void GlStructure::draw_side(Side side) const {
+  glEnable(GL_CULL_FACE);
+  glCullFace(side == Side::kOuter ? GL_BACK : GL_FRONT);
+  draw_triangles();
+  glCullFace(GL_BACK);
+}
+
+void GlStructure::draw_triangles() const {
   glBindVertexArray(vertex_array_.get());
   glDrawElements(GL_TRIANGLES, num_indices_, GL_UNSIGNED_INT, nullptr);
 }

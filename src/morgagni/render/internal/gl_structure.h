@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
 
 #include <Eigen/Geometry>
@@ -26,17 +28,28 @@ class GlStructure {
  public:
   GlStructure(std::string name, const TriangleMesh& mesh, const Eigen::Vector3f& color);
 
+  /// Where each vertex lies in a picture, 0..1: what shaders get as its place in the atlas.
+  void set_places(std::span<const Eigen::Vector2f> places);
+
   /// One draw call with the program that is in use. @param is_cut  Its inside can be seen.
   void draw(bool is_cut) const;
+
+  enum class Side : std::uint8_t { kOuter, kInner };
+
+  /// The same, only the triangles that turn this side to the viewer.
+  void draw_side(Side side) const;
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const Eigen::Vector3f& color() const { return color_; }
   [[nodiscard]] const Eigen::AlignedBox3f& bounds() const { return bounds_; }
 
  private:
+  void draw_triangles() const;
+
   GlVertexArray vertex_array_;
   GlBuffer vertices_;
   GlBuffer indices_;
+  GlBuffer places_;
   GLsizei num_indices_ = 0;
   bool is_closed_ = false;
   std::string name_;

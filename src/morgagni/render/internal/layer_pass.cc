@@ -31,7 +31,12 @@ Result<LayerPass> LayerPass::create(const char* fragment_text) {
   return LayerPass(std::move(program));
 }
 
-void LayerPass::set_camera(const CameraUniforms& uniforms) const {
+GLint LayerPass::uniform(const char* name) const {
+  return glGetUniformLocation(program_.get(), name);
+}
+
+void LayerPass::use(const CameraUniforms& uniforms) const {
+  glUseProgram(program_.get());
   glUniformMatrix4fv(camera_from_ct_, 1, GL_FALSE, uniforms.camera_from_ct.data());
   glUniform2fv(focal_ndc_, 1, uniforms.focal_ndc.data());
   glUniform2fv(center_ndc_, 1, uniforms.center_ndc.data());
@@ -40,15 +45,14 @@ void LayerPass::set_camera(const CameraUniforms& uniforms) const {
   glUniform2fv(depth_clip_, 1, uniforms.depth_clip.data());
   glUniform2fv(depth_range_mm_, 1, uniforms.depth_range_mm.data());
   glUniform4fv(cut_plane_, 1, uniforms.cut_plane.data());
+  glFrontFace(GL_CW);  // Row 0 is the top row, which mirrors what OpenGL calls counter-clockwise.
 }
 
 void LayerPass::draw(std::span<const GlStructure* const> structures,
                      const CameraUniforms& uniforms,
                      float opacity) const {
-  glUseProgram(program_.get());
-  set_camera(uniforms);
+  use(uniforms);
   glUniform1f(opacity_, opacity);
-  glFrontFace(GL_CW);  // Row 0 is the top row, which mirrors what OpenGL calls counter-clockwise.
   for (const GlStructure* structure : structures) {
     glUniform3fv(color_, 1, structure->color().data());
     structure->draw(glIsEnabled(GL_CLIP_DISTANCE0) == GL_TRUE);

@@ -24,9 +24,12 @@ class LayerPass {
             const CameraUniforms& uniforms,
             float opacity) const;
 
+  /// The program in use, with this camera: for who sets more uniforms and draws by himself.
+  void use(const CameraUniforms& uniforms) const;
+  [[nodiscard]] GLint uniform(const char* name) const;
+
  private:
   explicit LayerPass(GlProgram program);
-  void set_camera(const CameraUniforms& uniforms) const;
 
   GlProgram program_;
   GLint camera_from_ct_;

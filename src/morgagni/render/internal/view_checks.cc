@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -62,6 +63,58 @@ Result<void> check_volume_view(const VolumeView& volume) {
                             volume.level_hu));
 }
 
+Result<void> check_size(ImageView<const Rgb8> color, const PinholeCamera& camera) {
+  MOR_CHECK(camera.check());
+  if (color.width() == camera.width_px && color.height() == camera.height_px) return {};
+  return refuse(fmt::format("the colour picture is {} x {} px, its camera {} x {} px",
+                            color.width(),
+                            color.height(),
+                            camera.width_px,
+                            camera.height_px));
+}
+
+Result<void> check_hole(const Hole& hole) {
+  if (hole.center.allFinite() && std::isfinite(hole.radius) && std::isfinite(hole.rim)) return {};
+  return refuse("the hole's centre, radius and rim must be finite numbers");
+}
+
+Result<void> check_opacities(const std::map<std::string, float>& opacities) {
+  for (const auto& [name, opacity] : opacities) {
+    MOR_CHECK(check_share("the opacity of " + name, opacity));
+  }
+  return {};
+}
+
+Result<void> check_pose(const Eigen::Isometry3d& pose) {
+  if (pose.matrix().allFinite()) return {};
+  return refuse("a pose to draw at must be finite numbers");
+}
+
+/// The corners of an atlas's mesh, and its picture.
+Result<void> check_atlas(const AtlasPicture& atlas) {
+  if (!atlas.surface || !atlas.colors) return refuse("an atlas needs a surface and a picture");
+  const AtlasSurface& surface = *atlas.surface;
+  MOR_CHECK(check_mesh("the atlas", surface.mesh));
+  if (surface.mesh.normals.size() != surface.mesh.vertices.size() ||
+      surface.corners_px.size() != surface.mesh.triangles.size()) {
+    return refuse(
+        fmt::format("the atlas has {} normals for {} vertices, {} corners for {} triangles",
+                    surface.mesh.normals.size(),
+                    surface.mesh.vertices.size(),
+                    surface.corners_px.size(),
+                    surface.mesh.triangles.size()));
+  }
+  if (atlas.colors->width() != surface.width_px || atlas.colors->height() != surface.height_px ||
+      atlas.colors->empty()) {
+    return refuse(fmt::format("the atlas is {} x {} px, its picture {} x {} px",
+                              surface.width_px,
+                              surface.height_px,
+                              atlas.colors->width(),
+                              atlas.colors->height()));
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<void> check_volume(const Volume& volume) {
@@ -93,32 +146,29 @@ Result<void> check_mesh(const std::string& name, const TriangleMesh& mesh) {
 }
 
 Result<void> check_view(ImageView<const Rgb8> color, const OverlayView& view) {
-  MOR_CHECK(view.color_camera.check());
-  if (color.width() != view.color_camera.width_px ||
-      color.height() != view.color_camera.height_px) {
-    return refuse(fmt::format("the colour picture is {} x {} px, its camera {} x {} px",
-                              color.width(),
-                              color.height(),
-                              view.color_camera.width_px,
-                              view.color_camera.height_px));
-  }
+  MOR_CHECK(check_size(color, view.color_camera));
   MOR_CHECK(check_share("opacity", view.opacity));
-  for (const auto& [name, opacity] : view.structure_opacity) {
-    MOR_CHECK(check_share("the opacity of " + name, opacity));
-  }
+  MOR_CHECK(check_opacities(view.structure_opacity));
   MOR_CHECK(check_slice(view.slice));
   MOR_CHECK(check_volume_view(view.volume));
   if (view.measured) MOR_CHECK(check_measured(*view.measured));
-  const Hole& hole = view.hole;
-  if (!hole.center.allFinite() || !std::isfinite(hole.radius) || !std::isfinite(hole.rim)) {
-    return refuse("the hole's centre, radius and rim must be finite numbers");
+  MOR_CHECK(check_hole(view.hole));
+  if (view.color_from_ct) MOR_CHECK(check_pose(*view.color_from_ct));
+  if (view.color_from_ghost) MOR_CHECK(check_pose(*view.color_from_ghost));
+  return {};
+}
+
+Result<void> check_free_view(const FreeView& view) {
+  MOR_CHECK(view.camera.check());
+  MOR_CHECK(check_pose(view.view_from_ct));
+  MOR_CHECK(check_opacities(view.structure_opacity));
+  if (view.picture) {
+    MOR_CHECK(check_size(view.picture->color, view.picture->camera));
+    MOR_CHECK(check_pose(view.picture->color_from_ct));
+    MOR_CHECK(check_hole(view.picture->hole));
+    if (view.picture->measured) MOR_CHECK(check_measured(*view.picture->measured));
   }
-  const auto is_finite = [](const std::optional<Eigen::Isometry3d>& pose) {
-    return !pose || pose->matrix().allFinite();
-  };
-  if (!is_finite(view.color_from_ct) || !is_finite(view.color_from_ghost)) {
-    return make_error(ErrorCode::kInvalidArgument, "a pose to draw at must be finite numbers");
-  }
+  if (view.atlas) MOR_CHECK(check_atlas(*view.atlas));
   return {};
 }
 

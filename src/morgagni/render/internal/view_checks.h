@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "morgagni/render/free_view.h"
 #include "morgagni/render/overlay_renderer.h"
 
 namespace mor::internal {
@@ -16,5 +17,8 @@ namespace mor::internal {
 
 /// @errors kInvalidArgument: what OverlayRenderer::render refuses.
 [[nodiscard]] Result<void> check_view(ImageView<const Rgb8> color, const OverlayView& view);
+
+/// @errors kInvalidArgument: what FreeViewRenderer::render refuses.
+[[nodiscard]] Result<void> check_free_view(const FreeView& view);
 
 }  // namespace mor::internal

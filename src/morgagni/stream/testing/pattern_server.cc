@@ -142,6 +142,7 @@ class PretendedSession {
          {"structures",
           {{{"name", "bone"}, {"color", "#ede3c7"}}, {{"name", "vessels"}, {"color", "#d6453d"}}}},
          {"has_ct", true},
+         {"skin_radius_mm", 200.0},
          {"start_options", {{"distance_mm", 600}, {"min", 300}, {"max", 1000}}},
          {"version", "0.1.0"}});
   }
@@ -261,12 +262,20 @@ class PretendedSession {
                 {"slice_cuts", false},
                 {"volume", "none"},
                 {"volume_level_hu", 300.0},
-                {"volume_window_hu", 600.0}};
+                {"volume_window_hu", 600.0},
+                {"picture", "camera"},
+                {"free_yaw", 0.0},
+                {"free_pitch", 0.0},
+                {"free_zoom", 1.3},
+                {"free_target_mm", {0.0, 0.0, 0.0}},
+                {"free_hole", false},
+                {"free_bare_skin", false}};
   json status_ = {
       {"state", "waiting"},
       {"held", false},
       {"doubts", json::array()},
       {"bound_mm", 0.64},
+      {"colors_age_ms", 40.0},
       {"starting", nullptr},
       {"search", nullptr},
       {"frozen", false},
