@@ -87,6 +87,7 @@ class PretendedSession {
     return {
         route("GET", "/api/case", &PretendedSession::get_case),
         route("POST", "/api/view", &PretendedSession::set_view),
+        route("GET", "/api/texture", &PretendedSession::get_texture),
         route("POST", "/api/start/automatic", &PretendedSession::search),
         route("POST", "/api/touch", &PretendedSession::touch),
         route("POST", "/api/start/placement", &PretendedSession::place),
@@ -151,6 +152,17 @@ class PretendedSession {
     if (!change.is_object()) return refuse(400, "the body must be a JSON object");
     view_.merge_patch(change);
     return ok(view_);
+  }
+  HttpResponse get_texture(const HttpRequest&) {
+    return ok({{"ready", false},
+               {"recording", false},
+               {"coverage", 0.0},
+               {"frames", 0},
+               {"last", nullptr},
+               {"version", 0},
+               {"saving", false},
+               {"saved", false},
+               {"problem", nullptr}});
   }
   HttpResponse search(const HttpRequest&) {
     status_.update({{"starting", "automatic"},
