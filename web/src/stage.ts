@@ -125,7 +125,7 @@ export class Stage {
   }
 
   private move(event: PointerEvent): void {
-    if (!this.down || this.onTap) return;
+    if (!this.down || (this.onTap && !this.isFree)) return;
     const distance = Math.hypot(event.clientX - this.down.at.x, event.clientY - this.down.at.y);
     if (distance > DRAG_FROM_PX) this.down.moved = true;
     const picture = this.pictureSize();

@@ -101,6 +101,9 @@ Result<ShownPicture> FindingsDesk::shown_picture(std::optional<std::uint64_t> fr
 Result<FindingPick> FindingsDesk::pick(const Eigen::Vector2d& pixel,
                                        std::optional<std::uint64_t> frame_id) {
   MOR_TRY(const ShownPicture shown, shown_picture(frame_id));
+  // There the skin is cut away where it has no colours, of which pick_point knows nothing.
+  if (shown.is_free)
+    return refuse("findings are set on the camera's picture: switch back from the free view");
   if (!shown.camera_from_ct || !shown.tracked.ct_from_depth)
     return refuse("the body is not tracked: there is no point of it here");
   if (shown.tracked.is_held)

@@ -114,6 +114,18 @@ class FindingsTest : public testing::Test {
   std::map<std::string, HttpHandler> routes_;
 };
 
+TEST_F(FindingsTest, TheFreeViewTakesNoFindings) {
+  freeze();
+  loop_->set_view([&] {
+    auto view = loop_->view();
+    view.free.is_shown = true;
+    return view;
+  }());
+  ASSERT_TRUE(eventually([this] { return loop_->snapshot()->shown.is_free; }));
+  EXPECT_EQ(refused("POST /api/findings/pick", R"({"x": 330, "y": 250})"),
+            "findings are set on the camera's picture: switch back from the free view");
+}
+
 TEST_F(FindingsTest, ATapOnTheSkinIsAPlaceOnItThatIsMarkedWhereItWasTapped) {
   freeze();
   loop_->set_view([&] {
