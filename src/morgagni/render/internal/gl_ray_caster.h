@@ -12,11 +12,6 @@
 
 namespace mor::internal {
 
-inline void delete_texture(GLuint name) {
-  glDeleteTextures(1, &name);
-}
-using GlTexture = GlName<delete_texture>;
-
 /// Casts a RayCaster's rays on the GL device, a fragment a ray. The context is current wherever
 /// this is used.
 class GlRayCaster {
