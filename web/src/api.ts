@@ -34,6 +34,7 @@ export interface View {
   free_pitch: number;
   free_zoom: number;
   free_target_mm: Point3;
+  free_colors: 'live' | 'fused';
   free_hole: boolean;
   free_bare_skin: boolean;
 }

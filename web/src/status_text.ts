@@ -97,13 +97,14 @@ export function bannerOf(
   if (connection === 'stale') {
     return { kind: 'bad', text: `The picture stands still: ${(age_ms / 1000).toFixed(0)} s old` };
   }
-  if (status?.view?.picture === 'free') return oldColors(status);
+  if (status?.view?.picture === 'free' && status.view.free_colors !== 'fused') return oldColors(status);
   return undefined;
 }
 
 /** Of when the colours on the skin in the free view are. */
 export function colorsText(status: Status): string {
   const { colors_age_ms: age_ms, state } = status;
+  if (status.view?.free_colors === 'fused') return 'Colours of the fused texture, of many pictures.';
   if (age_ms === null) return 'No colours yet: the body has not been tracked.';
   if (status.frozen) return 'Colours of the frozen picture.';
   return state === 'tracking' ? 'Colours of now.' : `Colours of ${seconds(age_ms)} ago.`;

@@ -8,6 +8,7 @@ import { icon } from './icons';
 import { colorsText } from './status_text';
 import { button, choice, iconButton } from './widgets';
 
+const COLORS = [['live', 'Live'], ['fused', 'Fused']] as const;
 const PICTURES = [['camera', 'Camera'], ['free', 'Free view']] as const;
 
 /** The body from a side of one's own choice, with the live picture on its skin. */
@@ -15,6 +16,7 @@ export class SurfacePanel {
   readonly element: HTMLElement;
 
   private readonly picture;
+  private readonly source;
   private readonly bare: HTMLButtonElement;
   private readonly hole: HTMLButtonElement;
   private readonly colors = h('p', { class: 'tip', 'data-colors': '' });
@@ -25,6 +27,10 @@ export class SurfacePanel {
     zoom: (factor: number) => void,
   ) {
     this.picture = choice('Picture', PICTURES, (picture) => this.send({ picture }));
+    // What was never recorded is marked; to see the inside it can still be cut away.
+    this.source = choice('Colours', COLORS, (free_colors) =>
+      this.send(free_colors === 'fused' ? { picture: 'free', free_colors, free_bare_skin: true }
+        : { picture: 'free', free_colors }));
     this.bare = toggle('Skin without colours',
       () => this.send({ free_bare_skin: !this.shown?.free_bare_skin }));
     this.hole = toggle('Hole in the skin',
@@ -36,7 +42,7 @@ export class SurfacePanel {
         h('div', { class: 'triple' }, iconButton('Smaller', 'minus', () => zoom(1 / 1.3)),
           iconButton('Larger', 'plus', () => zoom(1.3)),
           button('Reset', undefined, () => this.look(FIRST_VIEWPOINT)))),
-      section('Skin', this.bare, this.hole,
+      section('Skin', this.source.element, this.bare, this.hole,
         h('p', { class: 'tip' },
           'One finger turns, two move and zoom. Mouse: drag, drag with shift, wheel.'
           + ' What the camera does not see of the skin is cut away.')));
@@ -45,6 +51,7 @@ export class SurfacePanel {
   showView(view: View): void {
     this.shown = view;
     this.picture.show(view.picture);
+    this.source.show(view.free_colors);
     this.bare.setAttribute('aria-pressed', String(view.free_bare_skin));
     this.hole.setAttribute('aria-pressed', String(view.free_hole));
   }

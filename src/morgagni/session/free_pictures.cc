@@ -19,12 +19,16 @@ bool is_good(const TrackedFrame& frame) {
 Result<ImageView<const Rgba8>> FreePictures::draw(FreeViewRenderer& renderer, ShownPicture& what) {
   remember(what.tracked);
   const auto& color = what.tracked.frame->color;
-  const FreeView free = free_view(what.view,
-                                  skin_,
-                                  color.width(),
-                                  color.height(),
-                                  good_ ? good_->frame.get() : nullptr,
-                                  good_ ? good_->ct_from_depth : std::nullopt);
+  FreeView free = free_view(what.view,
+                            skin_,
+                            color.width(),
+                            color.height(),
+                            good_ ? good_->frame.get() : nullptr,
+                            good_ ? good_->ct_from_depth : std::nullopt);
+  if (what.view.free.wears_fused) {
+    free.picture.reset();
+    if (const auto texture = fused_ ? fused_() : nullptr) free.atlas = atlas_.picture(texture);
+  }
   MOR_TRY(const FreePicture drawn, renderer.render(free));
   keep(free, drawn.depth_mm);
   what.is_free = true;

@@ -2,12 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
 
 #include "morgagni/render/free_view.h"
 #include "morgagni/render/skin_view.h"
 #include "morgagni/render/skin_viewpoint.h"
+#include "morgagni/session/fused_atlas.h"
 #include "morgagni/session/shown_picture.h"
 #include "morgagni/session/touched_point.h"
 #include "morgagni/tracking/tracker.h"
@@ -28,6 +32,10 @@ class FreePictures {
   /// Another picture is shown of this frame.
   void pass_by(const TrackedFrame& shown);
 
+  /// Where the fused texture is to be had; null: there is none yet. Before the first picture.
+  using Fused = std::function<std::shared_ptr<const SkinTexture>()>;
+  void take_fused_from(Fused fused) { fused_ = std::move(fused); }
+
   [[nodiscard]] bool is_shown() const;
 
   /// Age of the picture in whose colours the skin is or would be. None: there has been no good one.
@@ -41,6 +49,8 @@ class FreePictures {
   void keep(const FreeView& free, ImageView<const float> depth_mm);
 
   const SkinSphere skin_;
+  Fused fused_;
+  FusedAtlas atlas_;  ///< Of the render thread.
   mutable std::mutex mutex_;
   std::optional<TrackedFrame> good_;  ///< The last frame that was tracked without a doubt.
   std::optional<SkinView> seen_;      ///< Of the last picture, without its colours. None: another

@@ -63,6 +63,10 @@ class Loop final : public LiveLoop {
 
   void mark(Mark mark) override { mark_ = std::move(mark); }
 
+  void take_fused_from(FreePictures::Fused fused) override {
+    free_pictures_.take_fused_from(std::move(fused));
+  }
+
   Result<void> run(Show show) override {
     std::promise<Result<void>> renderer_ready;
     auto ready = renderer_ready.get_future();

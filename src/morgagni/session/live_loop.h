@@ -16,6 +16,7 @@
 #include "morgagni/core/result.h"
 #include "morgagni/registration/automatic_start.h"
 #include "morgagni/registration/start.h"
+#include "morgagni/session/free_pictures.h"
 #include "morgagni/session/shown_picture.h"
 #include "morgagni/session/touched_point.h"
 #include "morgagni/session/view_settings.h"
@@ -95,6 +96,9 @@ class LiveLoop {
 
   /// The same for the marks. Before run().
   virtual void mark(Mark mark) = 0;
+
+  /// Where the free view takes the fused texture from. Before run().
+  virtual void take_fused_from(FreePictures::Fused fused) = 0;
 
   /// Starts the threads. Returns once the renderer stands. @errors kDevice: no OpenGL.
   [[nodiscard]] virtual Result<void> run(Show show) = 0;

@@ -92,6 +92,7 @@ Result<std::unique_ptr<LiveSession>> LiveSession::start(Case body,
   loop->mark([desk = desk.get()](const ShownPicture& shown) { return desk->marks(shown); });
   const auto texture = std::make_shared<TextureRecorder>(shared_body);
   loop->observe([texture](const TrackedFrame& tracked) { texture->look(tracked); });
+  loop->take_fused_from([texture] { return texture->texture(); });
   const auto recorder = std::make_shared<Recorder>(shared_body, calibration, options.camera_name);
   // Each topic has its routes in a file of its own and joins the others with one line.
   std::vector<HttpRoute> routes = api::joined({

@@ -119,6 +119,14 @@ Result<void> set_picture(ViewSettings& view, const Json& json) {
   return {};
 }
 
+Result<void> set_colors(ViewSettings& view, const Json& json) {
+  if (json != "live" && json != "fused") {
+    return refuse(fmt::format("free_colors must be live or fused, got {}", json.dump()));
+  }
+  view.free.wears_fused = json == "fused";
+  return {};
+}
+
 Result<void> set_target(Eigen::Vector3d& target_mm, const std::string& name, const Json& json) {
   if (!json.is_array() || json.size() != 3) return refuse(name + " must be three numbers");
   for (int i = 0; i < 3; ++i) {
@@ -167,6 +175,7 @@ const std::map<std::string, Setter>& setters() {
        }},
       {"free_target_mm",
        [](auto& v, auto& n, auto& j) { return set_target(v.free.target_mm, n, j); }},
+      {"free_colors", [](auto& v, auto&, auto& j) { return set_colors(v, j); }},
       {"free_hole", [](auto& v, auto& n, auto& j) { return set_flag(v.free.opens_hole, n, j); }},
       {"free_bare_skin",
        [](auto& v, auto& n, auto& j) { return set_flag(v.free.shows_bare_skin, n, j); }},
@@ -221,6 +230,7 @@ std::string to_json(const ViewSettings& view) {
               {"free_pitch", view.free.pitch_rad},
               {"free_zoom", view.free.zoom},
               {"free_target_mm", triple(view.free.target_mm)},
+              {"free_colors", view.free.wears_fused ? "fused" : "live"},
               {"free_hole", view.free.opens_hole},
               {"free_bare_skin", view.free.shows_bare_skin},
               {"hands_in_front", view.keeps_hands_in_front},

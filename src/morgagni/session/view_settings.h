@@ -25,7 +25,9 @@ struct FreeViewSettings {
   double pitch_rad = 0.0;
   double zoom = 1.3;  ///< The skin's sphere is larger than what is seen of it.
   Eigen::Vector3d target_mm = Eigen::Vector3d::Zero();
-  bool opens_hole = false;       ///< The hole of the camera's picture is cut into the skin.
+  bool wears_fused =
+      false;                ///< The skin's colours are the fused texture's, not the live picture's.
+  bool opens_hole = false;  ///< The hole of the camera's picture is cut into the skin.
   bool shows_bare_skin = false;  ///< Where it has no colours; else that is cut away.
 };
 

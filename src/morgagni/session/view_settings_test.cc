@@ -78,9 +78,11 @@ TEST(ViewSettings, SaysWhatItDoesNotUnderstand) {
 
 TEST(ViewSettings, TheFreeViewIsReadBackAsItWasSaid) {
   const auto view = changed({}, R"({"picture": "free", "free_yaw": -1.5, "free_pitch": 0.25,
-      "free_zoom": 4, "free_target_mm": [10, -20, 30.5], "free_hole": true, "free_bare_skin": true})");
+      "free_zoom": 4, "free_target_mm": [10, -20, 30.5], "free_hole": true, "free_bare_skin": true,
+      "free_colors": "fused"})");
   ASSERT_TRUE(view) << view.error().message;
   EXPECT_TRUE(view->free.is_shown);
+  EXPECT_TRUE(view->free.wears_fused);
   EXPECT_EQ(view->free.target_mm, Eigen::Vector3d(10, -20, 30.5));
   const auto again = changed({}, to_json(*view));
   ASSERT_TRUE(again) << again.error().message;
@@ -101,6 +103,7 @@ TEST(ViewSettings, RefusesAFreeViewThatIsNone) {
   EXPECT_THAT(why(R"({"free_target_mm": [1, 2]})"),
               HasSubstr("free_target_mm must be three numbers"));
   EXPECT_THAT(why(R"({"free_target_mm": [1, 2, 1e9]})"), HasSubstr("from -3000 to 3000"));
+  EXPECT_THAT(why(R"({"free_colors": "red"})"), HasSubstr("free_colors must be live or fused"));
   EXPECT_THAT(why(R"({"free_hole": 1})"), HasSubstr("free_hole must be true or false"));
 }
 

@@ -198,6 +198,12 @@ async function free_view_by_hand() {
   await view_becomes((view) => view.free_zoom < 2.5);
   await key('Left').click();
   await view_becomes((view) => view.free_yaw === Math.PI / 2 && view.free_pitch === 0);
+  await key('Fused').click();
+  await view_becomes((view) => view.free_colors === 'fused' && view.free_bare_skin);
+  await page.getByText('Colours of the fused texture').waitFor();
+  await key('Live').click();
+  await key('Skin without colours').click();
+  await view_becomes((view) => view.free_colors === 'live' && !view.free_bare_skin);
   await key('Skin without colours').click();
   await key('Hole in the skin').click();
   await view_becomes((view) => view.free_bare_skin && view.free_hole);

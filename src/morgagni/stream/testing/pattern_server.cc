@@ -280,6 +280,7 @@ class PretendedSession {
                 {"free_pitch", 0.0},
                 {"free_zoom", 1.3},
                 {"free_target_mm", {0.0, 0.0, 0.0}},
+                {"free_colors", "live"},
                 {"free_hole", false},
                 {"free_bare_skin", false}};
   json status_ = {
