@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// Every mode as it looked when somebody last judged it (testdata/render). A picture that looks
-// different is written to the build folder's golden_failures, with the difference beside it. After
-// a wanted change: MORGAGNI_WRITE_GOLDEN=1 render_golden_pictures_test, look at the pictures,
-// commit.
-#include <cstdlib>
-#include <filesystem>
+// Every mode as it looked when somebody last judged it (testdata/render). After a wanted change:
+// MORGAGNI_WRITE_GOLDEN=1 render_golden_pictures_test, look at the pictures, commit.
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <vector>
@@ -14,16 +11,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "morgagni/core/files.h"
-#include "morgagni/core/image_png.h"
 #include "morgagni/render/overlay_renderer.h"
-#include "morgagni/render/testing/picture_difference.h"
+#include "morgagni/render/testing/golden_picture.h"
 #include "morgagni/render/testing/small_body.h"
 
 namespace mor {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr PinholeCamera kCamera{160, 120, 148.0, 149.0, 80.5, 58.0, {-0.12, 0.04, 0.001, 0, 0}};
 
@@ -117,32 +110,6 @@ std::vector<Mode> modes() {
   return modes;
 }
 
-Image<Rgb8> without_alpha(const Image<Rgba8>& picture) {
-  Image<Rgb8> result(picture.width(), picture.height());
-  for (std::size_t i = 0; i < picture.size(); ++i) {
-    const Rgba8& pixel = picture.data()[i];
-    result.data()[i] = {pixel.r, pixel.g, pixel.b};
-  }
-  return result;
-}
-
-void write_picture(const fs::path& path, const Image<Rgb8>& picture) {
-  fs::create_directories(path.parent_path());
-  const auto written = write_file(path, encode_png(picture.view()));
-  ASSERT_TRUE(written) << written.error().message;
-}
-
-/// White where pictures look the same, red where they do not.
-Image<Rgb8> map_of(const testing::PictureDifference& difference) {
-  Image<Rgb8> map(difference.delta.width(), difference.delta.height());
-  for (std::size_t i = 0; i < map.size(); ++i) {
-    const float off = std::min(1.0F, difference.delta.data()[i] / 20.0F);
-    const auto rest = static_cast<std::uint8_t>(255.0F * (1.0F - off));
-    map.data()[i] = {255, rest, rest};
-  }
-  return map;
-}
-
 class GoldenPictures : public ::testing::TestWithParam<Mode> {
  public:
   static Image<Rgb8> drawn(const Mode& mode) {
@@ -162,32 +129,17 @@ class GoldenPictures : public ::testing::TestWithParam<Mode> {
       view.measured =
           MeasuredDepth{kHand.depth.view(), depth_camera, Eigen::Isometry3d::Identity()};
     }
-    return without_alpha(testing::rendered(*kRenderer, mode.has_hand ? kHand.color : kTable, view));
+    return testing::without_alpha(
+        testing::rendered(*kRenderer, mode.has_hand ? kHand.color : kTable, view).view());
   }
 };
 
 TEST_P(GoldenPictures, LooksAsItDid) {
-  const fs::path golden = fs::path(MORGAGNI_TESTDATA) / "render" / (GetParam().name + ".png");
-  const Image<Rgb8> picture = drawn(GetParam());
-  if (std::getenv("MORGAGNI_WRITE_GOLDEN") != nullptr) {
-    write_picture(golden, picture);
-    return;
-  }
-  const auto expected = read_png_rgb(golden);
-  ASSERT_TRUE(expected) << expected.error().message;
-  ASSERT_EQ(expected->width(), picture.width());
-  ASSERT_EQ(expected->height(), picture.height());
-  const auto off = testing::difference(picture, *expected);
-  if (off.is_same()) return;
-  const fs::path folder = fs::path(MORGAGNI_GOLDEN_FAILURES);
-  write_picture(folder / (GetParam().name + ".png"), picture);
-  write_picture(folder / (GetParam().name + "-difference.png"), map_of(off));
-  ADD_FAILURE() << "looks different from " << golden << ": mean " << off.mean << ", seen at "
-                << 100.0 * off.seen_share << " % of the pixels; see " << folder;
+  testing::expect_golden(GetParam().name, drawn(GetParam()));
 }
 
-INSTANTIATE_TEST_SUITE_P(Modes, GoldenPictures, ::testing::ValuesIn(modes()), [](const auto& info) {
-  std::string name = info.param.name;
+INSTANTIATE_TEST_SUITE_P(Modes, GoldenPictures, ::testing::ValuesIn(modes()), [](const auto& each) {
+  std::string name = each.param.name;
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 });
