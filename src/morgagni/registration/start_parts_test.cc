@@ -171,6 +171,11 @@ TEST(StartDecision, IsAmbiguousBesideAnotherPoseOrTheMirrorImage) {
   EXPECT_EQ(status_of(look, 1.0), AutomaticStartStatus::kAmbiguous);
   EXPECT_EQ(status_of(look, 0.1, 1.05), AutomaticStartStatus::kAmbiguous);
   EXPECT_THAT(decide_start({look, 0.1, 1.05}).reason, testing::HasSubstr("mirror image"));
+  // Nearly as well is too much beside other doubts, as for a head that was laid into a shoulder.
+  EXPECT_EQ(status_of(look, 0.1, 0.9), AutomaticStartStatus::kFound);
+  look.num_floating = 55.0;
+  EXPECT_EQ(status_of(look, 0.1, 0.5), AutomaticStartStatus::kFound);
+  EXPECT_EQ(status_of(look, 0.1, 0.95), AutomaticStartStatus::kAmbiguous);
 }
 
 TEST(StartMirror, TurnsAPoseIntoOneOfTheMirroredPicture) {

@@ -22,8 +22,11 @@ constexpr double kLeastAgree = 60.0;     ///< Pixels.
 constexpr double kLeastEvidence = 0.03;  ///< Of what agrees.
 constexpr double kRunnerUpDoubt = 0.4;   ///< What a runner-up of equal evidence weighs.
 constexpr double kMostDoubt = 0.75;      ///< All together.
-/// The mirror image must not fit better: then the CT may be mirrored, or the body is turned.
+/// The mirror image must not fit better: then the CT may be mirrored, or the body is turned. Nearly
+/// as well is a doubt too: what agrees is round enough to agree with much.
 constexpr double kMostMirrored = 1.0;
+constexpr double kNearlyMirrored = 0.8;
+constexpr double kMirrorDoubt = 0.4;  ///< What a mirror image of equal evidence weighs.
 
 struct Doubts {
   double floating = 0.0;
@@ -48,6 +51,11 @@ Doubts doubts_of(const SkinAgreement& look) {
           .loose = ratio(kLeastHold, look.area_share * look.firmness),
           .small = ratio(kLeastAgree, look.num_agree),
           .vague = ratio(kLeastEvidence * look.num_agree, evidence(look))};
+}
+
+double mirror_doubt(double mirrored_share) {
+  const double nearness = (mirrored_share - kNearlyMirrored) / (kMostMirrored - kNearlyMirrored);
+  return kMirrorDoubt * std::clamp(nearness, 0.0, 1.0);
 }
 
 std::string percent(double part, double whole) {
@@ -113,7 +121,8 @@ StartVerdict decide_start(const StartCase& best) {
             fmt::format("another pose explains the picture {:.0f} % as well: show more of the body",
                         100.0 * best.runner_up_share)};
   }
-  if (best.mirrored_share >= kMostMirrored) {
+  if (best.mirrored_share >= kMostMirrored ||
+      margin(best.look, best.runner_up_share) < mirror_doubt(best.mirrored_share)) {
     return {
         AutomaticStartStatus::kAmbiguous,
         "the CT's mirror image explains the picture as well: show more of the body, and if that "
