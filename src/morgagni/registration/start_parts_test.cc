@@ -164,6 +164,16 @@ TEST(StartDecision, AddsDoubtsUp) {
   EXPECT_NE(status_of(look), AutomaticStartStatus::kFound);
 }
 
+TEST(StartDecision, AsksOfLittleSkinThatNearlyAllAgrees) {
+  SkinAgreement look = good_look();
+  look.num_agree = 500.0;
+  look.num_seen = 1540.0;
+  EXPECT_EQ(status_of(look), AutomaticStartStatus::kFound);
+  look.num_seen = 1580.0;
+  EXPECT_EQ(status_of(look), AutomaticStartStatus::kAmbiguous);
+  EXPECT_THAT(decide_start({look}).reason, testing::HasSubstr("only 86 % of the skin"));
+}
+
 TEST(StartDecision, IsAmbiguousBesideAnotherPoseOrTheMirrorImage) {
   SkinAgreement look = good_look();
   look.num_floating = 30.0;

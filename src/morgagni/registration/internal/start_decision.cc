@@ -22,6 +22,10 @@ constexpr double kLeastAgree = 60.0;     ///< Pixels.
 constexpr double kLeastEvidence = 0.03;  ///< Of what agrees.
 constexpr double kRunnerUpDoubt = 0.4;   ///< What a runner-up of equal evidence weighs.
 constexpr double kMostDoubt = 0.75;      ///< All together.
+/// Little skin has to agree nearly wholly: a head laid into a shoulder agrees with 250 to 560
+/// pixels of it, and with 75 to 87 % of what nothing hides.
+constexpr double kMuchAgrees = 700.0;  ///< Pixels.
+constexpr double kNearlyAll = 0.9;     ///< Of what nothing hides.
 /// The mirror image must not fit better: then the CT may be mirrored, or the body is turned. Nearly
 /// as well is a doubt too: what agrees is round enough to agree with much.
 constexpr double kMostMirrored = 1.0;
@@ -56,6 +60,11 @@ Doubts doubts_of(const SkinAgreement& look) {
 double mirror_doubt(double mirrored_share) {
   const double nearness = (mirrored_share - kNearlyMirrored) / (kMostMirrored - kNearlyMirrored);
   return kMirrorDoubt * std::clamp(nearness, 0.0, 1.0);
+}
+
+bool is_little_and_partial(const SkinAgreement& look) {
+  return look.num_agree < kMuchAgrees &&
+         look.num_agree < kNearlyAll * (look.num_seen - look.num_hidden);
 }
 
 std::string percent(double part, double whole) {
@@ -120,6 +129,13 @@ StartVerdict decide_start(const StartCase& best) {
     return {AutomaticStartStatus::kAmbiguous,
             fmt::format("another pose explains the picture {:.0f} % as well: show more of the body",
                         100.0 * best.runner_up_share)};
+  }
+  if (is_little_and_partial(best.look)) {
+    return {
+        AutomaticStartStatus::kAmbiguous,
+        fmt::format("only {} of the skin that nothing hides is seen where it should be, and that "
+                    "is little: show more of the body",
+                    percent(best.look.num_agree, best.look.num_seen - best.look.num_hidden))};
   }
   if (best.mirrored_share >= kMostMirrored ||
       margin(best.look, best.runner_up_share) < mirror_doubt(best.mirrored_share)) {
