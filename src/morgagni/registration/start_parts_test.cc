@@ -164,14 +164,15 @@ TEST(StartDecision, AddsDoubtsUp) {
   EXPECT_NE(status_of(look), AutomaticStartStatus::kFound);
 }
 
-TEST(StartDecision, AsksOfLittleSkinThatNearlyAllAgrees) {
+TEST(StartDecision, DoubtsMoreWhereNotNearlyAllAgrees) {
   SkinAgreement look = good_look();
-  look.num_agree = 500.0;
-  look.num_seen = 1540.0;
-  EXPECT_EQ(status_of(look), AutomaticStartStatus::kFound);
-  look.num_seen = 1580.0;
-  EXPECT_EQ(status_of(look), AutomaticStartStatus::kAmbiguous);
-  EXPECT_THAT(decide_start({look}).reason, testing::HasSubstr("only 86 % of the skin"));
+  look.num_floating = 55.0;
+  EXPECT_EQ(status_of(look, 0.1), AutomaticStartStatus::kFound);
+  look.num_seen = 2080.0;
+  EXPECT_EQ(status_of(look, 0.1), AutomaticStartStatus::kAmbiguous);
+  EXPECT_THAT(decide_start({look, 0.1}).reason, testing::HasSubstr("only 85 % of the skin"));
+  look.num_floating = 8.0;
+  EXPECT_EQ(status_of(look, 0.1), AutomaticStartStatus::kFound);
 }
 
 TEST(StartDecision, IsAmbiguousBesideAnotherPoseOrTheMirrorImage) {

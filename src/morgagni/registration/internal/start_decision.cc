@@ -15,17 +15,15 @@ constexpr double kHiddenCost = 0.02;
 constexpr double kDepartingCost = 1.5;
 
 // Each of these refuses a pose alone. How they were found: docs/automatic-start.md.
-constexpr double kMostFloating = 0.15;   ///< Of what agrees.
-constexpr double kMostDeparting = 0.12;  ///< Likewise.
-constexpr double kLeastHold = 1e-4;      ///< Share of the skin's area times firmness.
-constexpr double kLeastAgree = 60.0;     ///< Pixels.
-constexpr double kLeastEvidence = 0.03;  ///< Of what agrees.
-constexpr double kRunnerUpDoubt = 0.4;   ///< What a runner-up of equal evidence weighs.
-constexpr double kMostDoubt = 0.75;      ///< All together.
-/// Little skin has to agree nearly wholly: a head laid into a shoulder agrees with 250 to 560
-/// pixels of it, and with 75 to 87 % of what nothing hides.
-constexpr double kMuchAgrees = 700.0;  ///< Pixels.
-constexpr double kNearlyAll = 0.9;     ///< Of what nothing hides.
+constexpr double kMostFloating = 0.15;     ///< Of what agrees.
+constexpr double kMostDeparting = 0.12;    ///< Likewise.
+constexpr double kLeastHold = 1e-4;        ///< Share of the skin's area times firmness.
+constexpr double kLeastAgree = 60.0;       ///< Pixels.
+constexpr double kLeastEvidence = 0.03;    ///< Of what agrees.
+constexpr double kRunnerUpDoubt = 0.4;     ///< What a runner-up of equal evidence weighs.
+constexpr double kMostDoubt = 0.75;        ///< All together,
+constexpr double kMostPartlyDoubt = 0.45;  ///< or, where not nearly all agrees that nothing hides.
+constexpr double kNearlyAll = 0.9;
 /// The mirror image must not fit better: then the CT may be mirrored, or the body is turned. Nearly
 /// as well is a doubt too: what agrees is round enough to agree with much.
 constexpr double kMostMirrored = 1.0;
@@ -62,9 +60,9 @@ double mirror_doubt(double mirrored_share) {
   return kMirrorDoubt * std::clamp(nearness, 0.0, 1.0);
 }
 
-bool is_little_and_partial(const SkinAgreement& look) {
-  return look.num_agree < kMuchAgrees &&
-         look.num_agree < kNearlyAll * (look.num_seen - look.num_hidden);
+/// A head laid into a shoulder agrees with a part of what nothing hides, too.
+bool agrees_nearly_wholly(const SkinAgreement& look) {
+  return look.num_agree >= kNearlyAll * (look.num_seen - look.num_hidden);
 }
 
 std::string percent(double part, double whole) {
@@ -130,12 +128,12 @@ StartVerdict decide_start(const StartCase& best) {
             fmt::format("another pose explains the picture {:.0f} % as well: show more of the body",
                         100.0 * best.runner_up_share)};
   }
-  if (is_little_and_partial(best.look)) {
-    return {
-        AutomaticStartStatus::kAmbiguous,
-        fmt::format("only {} of the skin that nothing hides is seen where it should be, and that "
-                    "is little: show more of the body",
-                    percent(best.look.num_agree, best.look.num_seen - best.look.num_hidden))};
+  if (!agrees_nearly_wholly(best.look) &&
+      margin(best.look, best.runner_up_share) < kMostDoubt - kMostPartlyDoubt) {
+    return {AutomaticStartStatus::kAmbiguous,
+            fmt::format("only {} of the skin that nothing hides is seen where it should be: show "
+                        "more of the body",
+                        percent(best.look.num_agree, best.look.num_seen - best.look.num_hidden))};
   }
   if (best.mirrored_share >= kMostMirrored ||
       margin(best.look, best.runner_up_share) < mirror_doubt(best.mirrored_share)) {
