@@ -30,7 +30,10 @@ if(MORGAGNI_BUILD_TESTS)
   find_package(GTest REQUIRED)
   find_package(assimp REQUIRED)  # It and lib3mf read exported files.
   pkg_check_modules(LIB3MF REQUIRED IMPORTED_TARGET lib3MF)
-  find_package(OpenCV REQUIRED COMPONENTS calib3d)  # Whose projection ours is compared with.
+  # Whose projection ours is compared with. Its CMake files come with all of OpenCV only.
+  find_path(OPENCV_INCLUDE_DIR opencv2/calib3d.hpp PATH_SUFFIXES opencv4 REQUIRED)
+  find_library(OPENCV_CALIB3D_LIBRARY opencv_calib3d REQUIRED)
+  find_library(OPENCV_CORE_LIBRARY opencv_core REQUIRED)
 endif()
 if(MORGAGNI_BUILD_BENCHMARKS)
   find_package(benchmark REQUIRED)
