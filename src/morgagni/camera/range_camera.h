@@ -58,6 +58,8 @@ class RangeCamera {
 /// Opens a camera by its name:
 ///   `simulated:[key=value,...]`  see SimulatedCameraOptions;
 ///   `tum:DIR[,loop=1][,speed=real|full]`  a recording in the TUM RGB-D layout;
+///   `freenect:[index=N][,calibration=FILE]`  a Kinect for Xbox 360;
+///   `openni2:[FILE.oni][,calibration=FILE]`  a Carmine, Xtion or Structure, or its recording;
 ///   `mcap:FILE[,loop=1][,speed=real|full]`  a recording that Morgagni made (McapRecorder).
 /// @param skin  The case's skin, which only the simulated camera looks at.
 /// @errors kInvalidArgument (unknown kind, key or value: names it and what is allowed), kNotFound,

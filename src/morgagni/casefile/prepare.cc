@@ -3,14 +3,12 @@
 #include "morgagni/casefile/prepare.h"
 
 #include <chrono>
-#include <ctime>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
 
 #include <nlohmann/json.hpp>
-#include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/casefile/case.h"
@@ -20,6 +18,7 @@
 #include "morgagni/core/folder_lock.h"
 #include "morgagni/core/image_png.h"
 #include "morgagni/core/pending_folder.h"
+#include "morgagni/core/utc.h"
 #include "morgagni/core/version.h"
 #include "morgagni/geometry/triangle_mesh_io.h"
 #include "morgagni/geometry/volume_io.h"
@@ -145,10 +144,6 @@ Result<std::optional<FolderLock>> lock_case(const fs::path& folder) {
                            fmt::format("{} is in use by another Morgagni: stop that one first",
                                        folder.string())));
   return std::optional(std::move(lock));
-}
-
-std::string now_utc() {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
 }
 
 Result<Json> hashes(const fs::path& folder) {
@@ -333,7 +328,7 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
       {"format", internal::kCaseFormat},
       {"name", fs::absolute(folder / "").lexically_normal().parent_path().filename().string()},
       {"made_by", fmt::format("Morgagni {}", kVersion)},
-      {"made_at", now_utc()},
+      {"made_at", utc_text()},
       {"ct", ct_identity},
       {"options", to_json(options)},
       {"cut", to_json(skin.preview.cut)}};

@@ -29,6 +29,16 @@ Result<FolderLock> FolderLock::take(const std::filesystem::path& folder,
                     fmt::format("{}: cannot be locked: {}", folder.string(), strerror(errno)));
 }
 
+Result<FolderLock> FolderLock::make_and_take(const std::filesystem::path& folder,
+                                             Kind kind,
+                                             std::string_view busy) {
+  std::error_code status;
+  std::filesystem::create_directories(folder, status);
+  if (!status) return take(folder, kind, busy);
+  return make_error(ErrorCode::kIo,
+                    fmt::format("{}: cannot be made: {}", folder.string(), status.message()));
+}
+
 FolderLock::FolderLock(FolderLock&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
 
 FolderLock& FolderLock::operator=(FolderLock&& other) noexcept {

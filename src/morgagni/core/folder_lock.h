@@ -25,6 +25,10 @@ class FolderLock {
   [[nodiscard]] static Result<FolderLock> take(const std::filesystem::path& folder,
                                                Kind kind,
                                                std::string_view busy);
+  /// The same of a folder that is made where it is not there yet. @errors kIo: it cannot be.
+  [[nodiscard]] static Result<FolderLock> make_and_take(const std::filesystem::path& folder,
+                                                        Kind kind,
+                                                        std::string_view busy);
   FolderLock(FolderLock&& other) noexcept;
   FolderLock& operator=(FolderLock&& other) noexcept;
   ~FolderLock();

@@ -3,16 +3,15 @@
 #include "morgagni/documentation/documents.h"
 
 #include <algorithm>
-#include <ctime>
 #include <set>
 
 #include <nlohmann/json.hpp>
-#include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/core/files.h"
 #include "morgagni/core/image_png.h"
 #include "morgagni/core/pending_folder.h"
+#include "morgagni/core/utc.h"
 #include "morgagni/core/version.h"
 #include "morgagni/documentation/export_formats.h"
 #include "morgagni/documentation/report.h"
@@ -23,10 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-std::string now_utc() {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-}
 
 /// A structure's name as a file name: plain letters, digits, '-' and '_'.
 std::string file_name(const std::string& name) {
@@ -67,7 +62,7 @@ class Maker {
         folder_(folder),
         progress_(progress),
         stop_(std::move(stop)),
-        title_{source.case_name, now_utc()} {}
+        title_{source.case_name, utc_text()} {}
 
   Result<DocumentSummary> make() {
     MOR_CHECK(begin("surfaces"));

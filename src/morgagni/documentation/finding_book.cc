@@ -4,13 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <utility>
 
-#include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/core/files.h"
+#include "morgagni/core/utc.h"
 #include "morgagni/documentation/findings_io.h"
 
 namespace mor {
@@ -19,10 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxUndo = 50;
-
-std::string now_utc() {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-}
 
 tl::unexpected<Error> no_such(const std::string& id) {
   const bool is_id = finding_number(id).has_value();
@@ -66,7 +61,7 @@ Result<Finding> FindingBook::add(Finding finding, const FindingPhotos& photos) {
   }
   MOR_TRY(const int last, last_finding_number(folder_));
   finding.id = fmt::format("F{}", last + 1);
-  finding.created_at = now_utc();
+  finding.created_at = utc_text();
   finding.photo = photos.plain.empty() ? "" : finding.id + ".png";
   MOR_CHECK(check_finding(finding));
   if (!photos.plain.empty()) MOR_CHECK(write_file(folder_ / finding.photo, photos.plain));
@@ -113,17 +108,12 @@ std::string FindingBook::undoable() const {
 
 Result<void> FindingBook::take_folder() {
   if (lock_) return {};
-  std::error_code status;
-  fs::create_directories(folder_, status);
-  if (status) {
-    return make_error(ErrorCode::kIo,
-                      fmt::format("{}: cannot be made: {}", folder_.string(), status.message()));
-  }
-  MOR_TRY(auto lock,
-          FolderLock::take(folder_,
-                           FolderLock::Kind::kExclusive,
-                           "another Morgagni writes the findings of this case: stop that one "
-                           "first"));
+  MOR_TRY(
+      auto lock,
+      FolderLock::make_and_take(folder_,
+                                FolderLock::Kind::kExclusive,
+                                "another Morgagni writes the findings of this case: stop that one "
+                                "first"));
   // Another book may have written since this one was opened.
   MOR_TRY(findings_, read_findings(folder_));
   lock_ = std::move(lock);

@@ -13,6 +13,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/core/files.h"
+#include "morgagni/documentation/internal/finding_json.h"
 
 namespace mor {
 namespace {
@@ -112,33 +113,6 @@ Result<void> check_places(const Finding& finding) {
 }
 
 // --- JSON --------------------------------------------------------------------------------------
-
-Json or_null(const std::optional<double>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
-Json to_json(const Eigen::Vector3d& p) {
-  return {p.x(), p.y(), p.z()};
-}
-
-Json to_json(const Finding& finding) {
-  Json points = Json::array();
-  for (const auto& point : finding.points)
-    points.push_back({{"ct_mm", to_json(point.ct_mm)},
-                      {"on_skin", point.is_on_skin},
-                      {"bound_mm", or_null(point.bound_mm)}});
-  Json path = Json::array();
-  for (const auto& p : finding.path_ct_mm) path.push_back(to_json(p));
-  return {{"id", finding.id},
-          {"kind", to_string(finding.kind)},
-          {"note", finding.note},
-          {"points", points},
-          {"path_ct_mm", path},
-          {"length_mm", or_null(finding.length_mm)},
-          {"length_bound_mm", or_null(finding.length_bound_mm)},
-          {"created_at", finding.created_at},
-          {"photo", finding.photo}};
-}
 
 bool is_number_or_null(const Json& json, const char* key) {
   const auto found = json.find(key);
@@ -348,7 +322,7 @@ Result<void> write_findings(const fs::path& folder, const std::vector<Finding>& 
                       fmt::format("{}: cannot be made: {}", folder.string(), status.message()));
   }
   Json list = Json::array();
-  for (const auto& finding : findings) list.push_back(to_json(finding));
+  for (const auto& finding : findings) list.push_back(internal::to_json(finding));
   const Json json = {{"format", kFormat},
                      {"frame", "ct (DICOM LPS), mm"},
                      {"last_number", std::max(before.last_number, largest_number(findings))},

@@ -13,6 +13,7 @@
 #include "morgagni/core/files.h"
 #include "morgagni/core/version.h"
 #include "morgagni/documentation/findings_io.h"
+#include "morgagni/documentation/internal/finding_json.h"
 #include "morgagni/documentation/internal/packed_text.h"
 #include "morgagni/documentation/internal/viewer_volume.h"
 
@@ -33,10 +34,6 @@ constexpr std::array kVolumeSides = {256, 224, 192, 160, 128, 96, 64};
 
 Json to_json(const Eigen::Vector3d& v) {
   return {v.x(), v.y(), v.z()};
-}
-
-Json or_null(const std::optional<double>& value) {
-  return value ? Json(*value) : Json(nullptr);
 }
 
 /// A block of data in the page. Neither JSON nor base64 can end it early: '<' is escaped.
@@ -165,24 +162,10 @@ Json findings_json(const DocumentSource& source, std::vector<std::string>& remar
   std::size_t bytes_left = kMaxPhotosBytes;
   std::size_t num_left_out = 0;
   for (const auto& finding : source.findings) {
-    Json points = Json::array();
-    for (const auto& point : finding.points)
-      points.push_back({{"ct_mm", to_json(point.ct_mm)},
-                        {"on_skin", point.is_on_skin},
-                        {"bound_mm", or_null(point.bound_mm)}});
-    Json path = Json::array();
-    for (const auto& place : finding.path_ct_mm) path.push_back(to_json(place));
-    const Json photo = photo_of(finding, source.findings_folder, bytes_left);
-    if (!finding.photo.empty() && photo.is_null()) ++num_left_out;
-    list.push_back({{"id", finding.id},
-                    {"kind", to_string(finding.kind)},
-                    {"note", finding.note},
-                    {"points", points},
-                    {"path_ct_mm", path},
-                    {"length_mm", or_null(finding.length_mm)},
-                    {"length_bound_mm", or_null(finding.length_bound_mm)},
-                    {"created_at", finding.created_at},
-                    {"photo", photo}});
+    Json shown = internal::to_json(finding);
+    shown["photo"] = photo_of(finding, source.findings_folder, bytes_left);
+    if (!finding.photo.empty() && shown["photo"].is_null()) ++num_left_out;
+    list.push_back(std::move(shown));
   }
   if (num_left_out > 0)
     remarks.push_back(

@@ -7,6 +7,7 @@
 #include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/core/utc.h"
 #include "morgagni/core/version.h"
 
 namespace mor::evidence {
@@ -43,17 +44,13 @@ Json to_json(const Eigen::Isometry3d& pose) {
   return rows;
 }
 
-std::string utc(system_clock::time_point time) {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(system_clock::to_time_t(time)));
-}
-
 system_clock::time_point wall_clock(std::chrono::steady_clock::time_point time) {
   return system_clock::now() - std::chrono::duration_cast<system_clock::duration>(
                                    std::chrono::steady_clock::now() - time);
 }
 
 std::string file_name(system_clock::time_point time) {
-  std::string name = utc(time);
+  std::string name = utc_text(time);
   std::replace(name.begin(), name.end(), ':', '-');
   return name;
 }

@@ -24,8 +24,6 @@ inline constexpr const char* kNotice = "Not a medical device";
 /// The upper three rows, row by row.
 [[nodiscard]] Json to_json(const Eigen::Isometry3d& pose);
 
-/// "2026-11-26T16:20:05Z".
-[[nodiscard]] std::string utc(std::chrono::system_clock::time_point time);
 /// Wall clock of a moment of the monotonic one.
 [[nodiscard]] std::chrono::system_clock::time_point wall_clock(
     std::chrono::steady_clock::time_point time);

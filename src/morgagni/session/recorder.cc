@@ -63,16 +63,11 @@ void Recorder::close() {
 
 Result<void> Recorder::take_folder() {
   if (lock_) return {};
-  std::error_code status;
-  fs::create_directories(folder_, status);
-  if (status) {
-    return make_error(ErrorCode::kIo,
-                      fmt::format("{}: cannot be made: {}", folder_.string(), status.message()));
-  }
   MOR_TRY(auto lock,
-          FolderLock::take(folder_,
-                           FolderLock::Kind::kExclusive,
-                           "another Morgagni records videos of this case: stop that one first"));
+          FolderLock::make_and_take(
+              folder_,
+              FolderLock::Kind::kExclusive,
+              "another Morgagni records videos of this case: stop that one first"));
   lock_ = std::move(lock);
   return {};
 }

@@ -4,21 +4,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "morgagni/session/evidence_json.h"
+
 namespace mor {
-namespace {
-
 using Json = nlohmann::ordered_json;
-
-/// The upper three rows, row by row; a value holds as many digits as a double has.
-Json to_json(const Eigen::Isometry3d& pose) {
-  Json rows = Json::array();
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 4; ++column) rows.push_back(pose(row, column));
-  }
-  return rows;
-}
-
-}  // namespace
 
 std::string picture_json(const ShownPicture& shown, const std::string& marks) {
   Json json = {{"frame_id", shown.tracked.frame->frame_id},
@@ -29,7 +18,8 @@ std::string picture_json(const ShownPicture& shown, const std::string& marks) {
                {"bound_mm", shown.bound_mm ? Json(*shown.bound_mm) : Json(nullptr)},
                {"ct_from_camera", nullptr},
                {"marks", Json::array()}};
-  if (shown.camera_from_ct) json["ct_from_camera"] = to_json(shown.camera_from_ct->inverse());
+  if (shown.camera_from_ct)
+    json["ct_from_camera"] = evidence::to_json(shown.camera_from_ct->inverse());
   if (!marks.empty()) json["marks"] = Json::parse(marks, nullptr, /*allow_exceptions=*/false);
   return json.dump();
 }

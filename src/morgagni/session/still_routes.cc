@@ -10,6 +10,7 @@
 
 #include "morgagni/core/files.h"
 #include "morgagni/core/image_png.h"
+#include "morgagni/core/utc.h"
 #include "morgagni/core/version.h"
 #include "morgagni/render/pick.h"
 #include "morgagni/session/api_json.h"
@@ -140,7 +141,7 @@ StillWords still_words(const Case& body, const ShownPicture& shown, const std::s
   const auto& tracked = shown.tracked;
   StillWords words{
       .case_name = body.name,
-      .taken_at = evidence::utc(evidence::wall_clock(tracked.frame->captured_at)),
+      .taken_at = utc_text(evidence::wall_clock(tracked.frame->captured_at)),
       .state = state_words(tracked),
       .bound_mm = shown.bound_mm,
       .made_by = fmt::format("Morgagni {}, frame {}", kVersion, tracked.frame->frame_id),

@@ -1,0 +1,14 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace mor {
+
+/// ISO 8601 in UTC, to the second: "2026-11-26T16:20:05Z".
+[[nodiscard]] std::string utc_text(
+    std::chrono::system_clock::time_point time = std::chrono::system_clock::now());
+
+}  // namespace mor

@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/core/utc.h"
+
+#include <gtest/gtest.h>
+
+namespace mor {
+namespace {
+
+TEST(UtcText, IsIso8601ToTheSecond) {
+  using std::chrono::system_clock;
+  EXPECT_EQ(utc_text(system_clock::from_time_t(1795710005)), "2026-11-26T16:20:05Z");
+  EXPECT_EQ(utc_text(system_clock::from_time_t(0)), "1970-01-01T00:00:00Z");
+}
+
+}  // namespace
+}  // namespace mor
