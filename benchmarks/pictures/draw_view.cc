@@ -39,6 +39,24 @@ double processor_ms() {
   return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
 }
 
+/// Draws `draw()` again and again; says how long that takes and writes the last picture.
+template <class Draw>
+void measure(const std::string& path, const Draw& draw) {
+  std::vector<double> times_ms;
+  ImageView<const Rgba8> picture;
+  for (int i = 0; i < kRepetitions; ++i) {
+    const double start_ms = processor_ms();
+    picture = draw();
+    times_ms.push_back(processor_ms() - start_ms);
+  }
+  const auto bytes = encode_png(picture);
+  if (const auto written = write_file(path, bytes); !written) {
+    fmt::print(stderr, "{}\n", written.error().message);
+    std::exit(1);
+  }
+  fmt::print("{}: {:.1f} ms of CPU, {} kB\n", path, quantile(times_ms, 0.5), bytes.size() / 1000);
+}
+
 void draw(const std::vector<std::string>& words) {
   const Case body = value_or_exit(load_case(words[1]));
   const auto skin = std::shared_ptr<const TriangleMesh>(body.skin, &body.skin->mesh);
@@ -46,24 +64,22 @@ void draw(const std::vector<std::string>& words) {
   const auto camera = value_or_exit(SimulatedCamera::create(skin, options));
   const auto frame_id = std::stoull(words[4]);
   const auto frame = camera->frame_at(frame_id);
-  const auto view = value_or_exit(changed(first_view(body), words[5]));
+  const auto pose = camera->ct_from_camera(frame_id);
+  const auto settings = value_or_exit(changed(first_view(body), words[5]));
+  if (settings.free.is_shown) {
+    const FreeView view = free_view(settings,
+                                    bounding_sphere(*skin),
+                                    frame->color.width(),
+                                    frame->color.height(),
+                                    frame.get(),
+                                    pose);
+    const auto renderer = value_or_exit(FreeViewRenderer::create(scene_of(body)));
+    return measure(words[2], [&] { return value_or_exit(renderer->render(view)).picture; });
+  }
   const bool is_still = words.size() < 7;
-  const auto overlay =
-      overlay_view(*frame, camera->ct_from_camera(frame_id), std::nullopt, view, is_still);
+  const auto overlay = overlay_view(*frame, pose, std::nullopt, settings, is_still);
   const auto renderer = value_or_exit(OverlayRenderer::create(scene_of(body)));
-  std::vector<double> times_ms;
-  ImageView<const Rgba8> picture;
-  for (int i = 0; i < kRepetitions; ++i) {
-    const double start_ms = processor_ms();
-    picture = value_or_exit(renderer->render(frame->color.view(), overlay));
-    times_ms.push_back(processor_ms() - start_ms);
-  }
-  const auto bytes = encode_png(picture);
-  if (const auto written = write_file(words[2], bytes); !written) {
-    fmt::print(stderr, "{}\n", written.error().message);
-    std::exit(1);
-  }
-  fmt::print("{}: {:.1f} ms, {} kB\n", words[2], quantile(times_ms, 0.5), bytes.size() / 1000);
+  measure(words[2], [&] { return value_or_exit(renderer->render(frame->color.view(), overlay)); });
 }
 
 }  // namespace
