@@ -11,6 +11,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "morgagni/ct/internal/body_mask.h"
+#include "morgagni/ct/internal/components.h"
 #include "morgagni/ct/internal/dual_mesh.h"
 #include "morgagni/ct/internal/marching_cubes.h"
 #include "morgagni/ct/internal/triangle_grid.h"
@@ -164,6 +166,63 @@ TEST(RealCt, BunnyIsNotMirrored) {
   std::sort(distances.begin(), distances.end());
   EXPECT_LT(distances[distances.size() / 2], 1.0);
   EXPECT_LT(distances[distances.size() * 95 / 100], 2.0) << "30 mm when mirrored";
+}
+
+/// The head's CT with a shell of 3 mm pressed 2 mm into one ear, as headrests are.
+Volume with_shell_at_an_ear(const Volume& head, const internal::BitMask& body) {
+  constexpr double kPressedMm = 2.0;
+  constexpr double kShellMm = 3.0;
+  constexpr std::int16_t kShellHu = 100;
+  const internal::Components parts(body);
+  const auto& box = parts.parts()[parts.largest()];
+  const auto steps = [&](double mm) {
+    return static_cast<int>(std::lround(mm / head.spacing_mm.x()));
+  };
+  const int first_x = box.high_x - steps(kPressedMm) + 1;
+  Volume pressed = head;
+  for (int z = 0; z < head.size[2]; ++z)
+    for (int y = box.low_y + 40; y <= box.high_y; ++y)
+      for (int x = first_x; x < std::min(first_x + steps(kShellMm), head.size[0]); ++x)
+        pressed.hu[head.index(x, y, z)] = std::max(kShellHu, head.hu[head.index(x, y, z)]);
+  return pressed;
+}
+
+TEST(RealCt, AnEarAgainstAHeadrestStaysAndTheHeadrestGoes) {
+  const auto head = import_volume(data("ct_head_invesalius/promed_ct_0051.nii.gz"), {}, {});
+  if (!head) GTEST_SKIP() << head.error().message;
+  const auto free = internal::body_mask(*head, {}, {}).value();
+  const Volume pressed = with_shell_at_an_ear(*head, free.body);
+  const auto found = internal::body_mask(pressed, {}, {});
+  ASSERT_TRUE(found) << found.error().message;
+  constexpr double kThresholdHu = -300.0;
+  const auto truth = internal::marching_cubes(*head, free.body, kThresholdHu);
+  const auto skin = internal::marching_cubes(pressed, found->body, kThresholdHu);
+  // The side of the shell, beyond the cheek: elsewhere the two are the same.
+  const auto side = static_cast<float>(head->ct_from_grid.linear()(0, 0) > 0.0 ? 1.0 : -1.0);
+  const auto bounds = truth.bounds();
+  const float beyond = side * (side > 0.0F ? bounds.max().x() : bounds.min().x()) - 30.0F;
+  const auto distances_at_ear = [&](const TriangleMesh& from, const TriangleMesh& to) {
+    const internal::TriangleGrid grid(to);
+    std::vector<double> distances;
+    for (const auto& vertex : from.vertices)
+      if (side * vertex.x() > beyond) distances.push_back(grid.distance_mm(vertex));
+    std::sort(distances.begin(), distances.end());
+    return distances;
+  };
+  const auto lost = distances_at_ear(truth, skin);
+  const auto gained = distances_at_ear(skin, truth);
+  ASSERT_GT(lost.size(), 5000U);
+  ASSERT_GT(gained.size(), 5000U);
+  const auto at = [](const std::vector<double>& sorted, double share) {
+    return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
+  };
+  std::cout << "ear against a shell: skin lost p95 " << at(lost, 0.95) << " p99 " << at(lost, 0.99)
+            << " max " << lost.back() << " mm; gained p95 " << at(gained, 0.95) << " p99 "
+            << at(gained, 0.99) << " max " << gained.back() << " mm\n";
+  EXPECT_LE(at(lost, 0.95), 1.0);
+  EXPECT_LE(at(gained, 0.95), 1.0);
+  EXPECT_LE(lost.back(), 3.0);
+  EXPECT_LE(gained.back(), 3.0);
 }
 
 TEST(RealCt, TiltedHeadComesOutUpright) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "morgagni/ct/internal/components.h"
+#include "morgagni/ct/internal/thin_sheet.h"
 
 namespace mor::internal {
 namespace {
@@ -19,8 +20,8 @@ constexpr double kSkinMm = 1.0;
 constexpr double kFarthestMm = 40.0;
 /// ... nor one that is longer than they are: a tube, a cable, the edge of a blanket.
 constexpr double kLongestMm = 80.0;
-/// The body has at least this share of what it is torn from.
-constexpr double kLeastShare = 0.3;
+/// Smaller parts are no headrest's shell.
+constexpr double kLeastShellMm3 = 5000.0;
 constexpr double kOneStepMm = 6.25;
 
 /// The largest connected part; empty when the mask is.
@@ -65,19 +66,15 @@ BitMask solid_inside(const BitMask& closed_mask,
   return solid;
 }
 
-/// The solid mask without what only leans on the body.
-BitMask without_what_leans_on(const BitMask& solid, const Eigen::Vector3d& spacing_mm) {
-  const BitMask core = largest_part(opened(solid, kOpeningMm, spacing_mm));
-  // A hollow thing of thin walls, open to the air: nothing about it is thicker than a table.
-  if (core.count() == 0) return solid;
-  BitMask body = dilated(core, kSkinMm, spacing_mm);
-  body &= solid;
-  BitMask rest = solid;
-  rest.subtract(body);
+/// What of `rest` stands out from the body as ears, noses and fingers do.
+BitMask standing_out(const BitMask& rest,
+                     const BitMask& beside_body,
+                     const BitMask& near_core,
+                     const Eigen::Vector3d& spacing_mm) {
   const Components parts(rest);
-  const auto touching = parts.overlap(grown_by_a_voxel(body));
-  const auto near = parts.overlap(grown_far(core, kFarthestMm, spacing_mm));
-  body |= parts.select([&](std::size_t i) {
+  const auto touching = parts.overlap(beside_body);
+  const auto near = parts.overlap(near_core);
+  return parts.select([&](std::size_t i) {
     const auto& part = parts.parts()[i];
     const Eigen::Vector3d size_mm = Eigen::Vector3d(part.high_x - part.low_x + 1,
                                                     part.high_y - part.low_y + 1,
@@ -85,7 +82,56 @@ BitMask without_what_leans_on(const BitMask& solid, const Eigen::Vector3d& spaci
                                         .cwiseProduct(spacing_mm);
     return touching[i] > 0 && near[i] == part.num_voxels && size_mm.maxCoeff() <= kLongestMm;
   });
-  return body;
+}
+
+Eigen::Vector3d middle_of(const BitMask& mask) {
+  const Components parts(mask);
+  const auto& part = parts.parts()[parts.largest()];
+  return 0.5 * Eigen::Vector3d(
+                   part.low_x + part.high_x, part.low_y + part.high_y, part.low_z + part.high_z);
+}
+
+/// Parts that touch the body and are too large for it, without the thin shells in them: what an
+/// ear that lies against a headrest leaves.
+BitMask freed_of_shells(const BitMask& rest,
+                        const BitMask& beside_body,
+                        const Eigen::Vector3d& middle,
+                        const Eigen::Vector3d& spacing_mm) {
+  const Components parts(rest);
+  const auto touching = parts.overlap(beside_body);
+  const auto least_voxels = static_cast<std::size_t>(kLeastShellMm3 / spacing_mm.prod());
+  BitMask freed(rest.size());
+  for (std::size_t i = 0; i < parts.parts().size(); ++i) {
+    if (touching[i] == 0 || parts.parts()[i].num_voxels < least_voxels) continue;
+    BitMask part = parts.select([&](std::size_t k) { return k == i; });
+    part.subtract(thin_sheet(part, middle, spacing_mm));
+    freed |= part;
+  }
+  return freed;
+}
+
+struct Torn {
+  BitMask body;
+  BitMask given_back;  ///< Of the body: what the opening had taken away.
+};
+
+/// The solid mask without what only leans on the body.
+Torn without_what_leans_on(const BitMask& solid, const Eigen::Vector3d& spacing_mm) {
+  const BitMask core = largest_part(opened(solid, kOpeningMm, spacing_mm));
+  // A hollow thing of thin walls, open to the air: nothing about it is thicker than a table.
+  if (core.count() == 0) return {solid, BitMask(solid.size())};
+  BitMask body = dilated(core, kSkinMm, spacing_mm);
+  body &= solid;
+  BitMask rest = solid;
+  rest.subtract(body);
+  const BitMask beside_body = grown_by_a_voxel(body);
+  const BitMask near_core = grown_far(core, kFarthestMm, spacing_mm);
+  BitMask given_back = standing_out(rest, beside_body, near_core, spacing_mm);
+  rest.subtract(given_back);
+  const BitMask freed = freed_of_shells(rest, beside_body, middle_of(core), spacing_mm);
+  given_back |= standing_out(freed, beside_body, near_core, spacing_mm);
+  body |= given_back;
+  return {std::move(body), std::move(given_back)};
 }
 
 /// Everything that air from the sides cannot reach.
@@ -136,7 +182,7 @@ Result<BodyMask> body_mask(const Volume& volume,
   // What leans on the body is cut off before gaps are closed: closing would weld it on.
   mask |= solid_inside(whole, options.closing_mm, volume.spacing_mm);
   report("body", 0.5);
-  mask = without_what_leans_on(mask, volume.spacing_mm);
+  mask = without_what_leans_on(mask, volume.spacing_mm).body;
   report("body", 0.8);
   mask = filled(largest_part(closed(mask, options.closing_mm, volume.spacing_mm)));
   MOR_CHECK(check_air(mask, volume, options.threshold_hu));
