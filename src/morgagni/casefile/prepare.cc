@@ -309,7 +309,7 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
   MOR_CHECK(check_kept(folder, ct_identity));
 
   MOR_TRY(auto skin, extract_skin(volume, options.skin, progress));
-  MOR_TRY(auto bone, extract_bone(volume, options.bone, progress));
+  MOR_TRY(auto bone, extract_bone(skin.body, options.bone, progress));
   MOR_TRY(auto structures, all_structures(volume, skin.body, options, progress));
   progress("distance field", 0.0);
   MOR_TRY(auto field, DistanceField::build(skin.remeshed));

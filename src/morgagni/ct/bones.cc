@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <array>
 #include <string>
 #include <utility>
 
-#include "morgagni/ct/internal/body_mask.h"
+#include "morgagni/ct/internal/bit_mask.h"
 #include "morgagni/ct/internal/components.h"
 #include "morgagni/ct/internal/marching_cubes.h"
 #include "morgagni/ct/internal/surface_finish.h"
@@ -34,32 +33,6 @@ internal::BitMask solid(const internal::BitMask& bone, const Eigen::Vector3d& sp
   return result;
 }
 
-/// The body's mask, found on every second voxel where they are small: what is inside the body need
-/// not be known to a voxel, and an eighth of the voxels takes an eighth of the time.
-Result<internal::BitMask> body_mask_of(const Volume& volume) {
-  constexpr double kSmallMm = 1.25;
-  std::array<int, 3> step{};
-  Volume coarse;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    step[axis] = volume.spacing_mm[static_cast<int>(axis)] < kSmallMm ? 2 : 1;
-    coarse.size[axis] = (volume.size[axis] + step[axis] - 1) / step[axis];
-    coarse.spacing_mm[static_cast<int>(axis)] =
-        volume.spacing_mm[static_cast<int>(axis)] * step[axis];
-  }
-  for (int z = 0; z < coarse.size[2]; ++z)
-    for (int y = 0; y < coarse.size[1]; ++y)
-      for (int x = 0; x < coarse.size[0]; ++x)
-        coarse.hu.push_back(volume.hu[volume.index(x * step[0], y * step[1], z * step[2])]);
-  MOR_TRY(const auto coarse_body, internal::body_mask(coarse, {}, {}));
-  internal::BitMask body(volume.size);
-  for (int z = 0; z < volume.size[2]; ++z)
-    for (int y = 0; y < volume.size[1]; ++y)
-      for (int x = 0; x < volume.size[0]; ++x)
-        if (coarse_body.body.test(x / step[0], y / step[1], z / step[2]))
-          body.set_run(y, z, x, x + 1);
-  return body;
-}
-
 }  // namespace
 
 Result<void> BoneOptions::check() const {
@@ -76,7 +49,7 @@ Result<void> BoneOptions::check() const {
   return {};
 }
 
-Result<TriangleMesh> extract_bone(const Volume& volume,
+Result<TriangleMesh> extract_bone(const Volume& body,
                                   const BoneOptions& options,
                                   const Progress& progress) {
   constexpr double kHighestHu = 32767.0;
@@ -86,12 +59,10 @@ Result<TriangleMesh> extract_bone(const Volume& volume,
     if (progress) progress(kStage, fraction);
   };
   report(0.0);
-  auto bone = internal::threshold(volume, options.threshold_hu, kHighestHu);
-  MOR_TRY(const auto body, body_mask_of(volume));
-  bone &= body;
-  bone = solid(without_islands(bone, volume, options.min_component_mm3), volume.spacing_mm);
+  auto bone = internal::threshold(body, options.threshold_hu, kHighestHu);
+  bone = solid(without_islands(bone, body, options.min_component_mm3), body.spacing_mm);
   report(0.3);
-  TriangleMesh mesh = internal::marching_cubes(volume, bone, options.threshold_hu);
+  TriangleMesh mesh = internal::marching_cubes(body, bone, options.threshold_hu);
   report(0.5);
   internal::finish_surface(mesh, options.num_triangles);
   report(1.0);

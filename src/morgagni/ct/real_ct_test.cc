@@ -120,7 +120,7 @@ TEST(RealCt, FullSizeChestMeetsThePromisedFigures) {
   ASSERT_TRUE(skin) << skin.error().message;
   expect_promised_quality(*skin);
   expect_normals_outwards(volume, skin->remeshed);
-  const auto bone = extract_bone(volume, {}, {});
+  const auto bone = extract_bone(skin->body, {}, {});
   ASSERT_TRUE(bone);
   EXPECT_GT(bone->triangles.size(), 30000U);
   EXPECT_LE(bone->triangles.size(), 40500U);

@@ -8,6 +8,7 @@
 
 #include "morgagni/ct/acvd.h"
 #include "morgagni/ct/internal/body_mask.h"
+#include "morgagni/ct/internal/body_parts.h"
 #include "morgagni/ct/internal/body_preview.h"
 #include "morgagni/ct/internal/body_volume.h"
 #include "morgagni/ct/internal/marching_cubes.h"
@@ -28,18 +29,25 @@ Result<void> SkinOptions::check() const {
     return refuse("closing_mm must be in [0, 30], got " + std::to_string(closing_mm));
   if (num_vertices < 100 || num_vertices > 1000000)
     return refuse("num_vertices must be in [100, 1000000], got " + std::to_string(num_vertices));
+  constexpr std::size_t kMostMarks = 200;
+  for (const auto* marks : {&keep_mm, &cut_mm}) {
+    if (marks->size() > kMostMarks) return refuse("there are more than 200 marks to keep or cut");
+    for (const auto& mark : *marks)
+      if (!mark.allFinite()) return refuse("a mark to keep or cut is no place");
+  }
   return AcvdOptions{num_vertices, sub_sampling, gradation}.check();
 }
 
 namespace {
 
 BodyPreview preview_of(const Volume& volume, const internal::BodyMask& body) {
-  return {internal::cut_parts(volume, body.matter, body.body),
+  return {internal::cut_parts(volume, body),
           internal::draw_body_preview(volume, body.matter, body.body)};
 }
 
 internal::BodyMaskOptions body_options(const SkinOptions& options) {
-  return {options.threshold_hu, options.upper_hu, options.closing_mm};
+  return {
+      options.threshold_hu, options.upper_hu, options.closing_mm, options.keep_mm, options.cut_mm};
 }
 
 }  // namespace

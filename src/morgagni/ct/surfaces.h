@@ -24,6 +24,10 @@ struct SkinOptions {
   /// lift the share of valences 5-7 by a percent, leave the distances and cost up to a minute.
   int sub_sampling = 20;
   double gradation = 0.0;  ///< 0: uniform; larger: more vertices where the surface bends.
+  /// Marks (CutPart::marks_mm) in what is kept though it would be cut off: an arm beside the trunk.
+  std::vector<Eigen::Vector3d> keep_mm = {};
+  /// Marks in what stands out from the body and is cut off all the same: a tube in the mouth.
+  std::vector<Eigen::Vector3d> cut_mm = {};
 
   [[nodiscard]] Result<void> check() const;
 };
@@ -63,9 +67,10 @@ struct BoneOptions {
   [[nodiscard]] Result<void> check() const;
 };
 
-/// The bones inside the body as one closed, smooth mesh with normals, frame ct. An empty mesh where
-/// the CT has none.
-[[nodiscard]] Result<TriangleMesh> extract_bone(const Volume& volume,
+/// The bones as one closed, smooth mesh with normals, frame ct. An empty mesh where the CT has
+/// none.
+/// @param body  SkinSurfaces::body: beside the body kOutsideHu.
+[[nodiscard]] Result<TriangleMesh> extract_bone(const Volume& body,
                                                 const BoneOptions& options,
                                                 const Progress& progress);
 

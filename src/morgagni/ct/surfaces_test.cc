@@ -172,7 +172,8 @@ TEST(ExtractBone, FindsBoneInsideTheBodyOnly) {
       }
     }
   }
-  const auto bone = extract_bone(volume, {.num_triangles = 500}, {});
+  const auto bone =
+      extract_bone(extract_skin(volume, kQuick, {})->body, {.num_triangles = 500}, {});
   ASSERT_TRUE(bone) << bone.error().message;
   EXPECT_LE(bone->triangles.size(), 520U);
   EXPECT_EQ(bone->normals.size(), bone->vertices.size());

@@ -3,8 +3,12 @@
 #include "morgagni/ct/internal/body_mask.h"
 
 #include <algorithm>
+#include <array>
+#include <optional>
 #include <string>
 #include <utility>
+
+#include <spdlog/fmt/fmt.h>
 
 #include "morgagni/ct/internal/components.h"
 #include "morgagni/ct/internal/thin_sheet.h"
@@ -23,6 +27,8 @@ constexpr double kLongestMm = 80.0;
 /// Smaller parts are no headrest's shell.
 constexpr double kLeastShellMm3 = 5000.0;
 constexpr double kOneStepMm = 6.25;
+/// A mark names what lies so near: the CT may be looked at coarsely where it is made.
+constexpr double kMarkMm = 3.0;
 
 /// The largest connected part; empty when the mask is.
 BitMask largest_part(const BitMask& mask) {
@@ -153,7 +159,81 @@ Result<void> check_air(const BitMask& body, const Volume& volume, double thresho
                         " HU: raise the threshold, or use a CT that shows the skin");
 }
 
+/// The voxels within `kMarkMm` of a place, the nearest first; those outside the volume too.
+std::vector<std::array<int, 3>> voxels_near(const Eigen::Vector3d& place_mm, const Volume& volume) {
+  const Eigen::Vector3d middle =
+      (volume.ct_from_grid.inverse() * place_mm).cwiseQuotient(volume.spacing_mm);
+  if (!(middle.cwiseAbs().maxCoeff() < 1e6)) return {};
+  const Eigen::Vector3i at = middle.array().round().cast<int>();
+  const Eigen::Vector3i reach = (kMarkMm / volume.spacing_mm.array()).cast<int>();
+  std::vector<std::pair<double, std::array<int, 3>>> voxels;
+  for (int z = -reach.z(); z <= reach.z(); ++z) {
+    for (int y = -reach.y(); y <= reach.y(); ++y) {
+      for (int x = -reach.x(); x <= reach.x(); ++x) {
+        const double distance_mm = Eigen::Vector3d(x, y, z).cwiseProduct(volume.spacing_mm).norm();
+        if (distance_mm <= kMarkMm)
+          voxels.push_back({distance_mm, {at.x() + x, at.y() + y, at.z() + z}});
+      }
+    }
+  }
+  std::sort(voxels.begin(), voxels.end());
+  std::vector<std::array<int, 3>> places;
+  for (const auto& voxel : voxels) places.push_back(voxel.second);
+  return places;
+}
+
+/// The parts of `mask` that the marks lie in.
+/// @param settled  A mark in here asks for what is so already.
+Result<BitMask> marked_parts(const BitMask& mask,
+                             const BitMask& settled,
+                             const std::vector<Eigen::Vector3d>& marks_mm,
+                             const Volume& volume,
+                             const char* what) {
+  const Components parts(mask);
+  std::vector<char> is_marked(parts.parts().size());
+  for (const auto& mark_mm : marks_mm) {
+    std::optional<std::size_t> part;
+    for (const auto& voxel : voxels_near(mark_mm, volume))
+      if (!part) part = parts.part_at(voxel);
+    if (part) {
+      is_marked[*part] = 1;
+    } else if (!is_near(settled, mark_mm, volume)) {
+      return make_error(ErrorCode::kInvalidArgument,
+                        fmt::format("there is nothing to {} within {} mm of ({:.1f}, {:.1f}, "
+                                    "{:.1f}) at these thresholds",
+                                    what,
+                                    kMarkMm,
+                                    mark_mm.x(),
+                                    mark_mm.y(),
+                                    mark_mm.z()));
+    }
+  }
+  return parts.select([&](std::size_t i) { return is_marked[i] != 0; });
+}
+
+/// Closed and without holes: the largest part, and those that hold something of `kept`.
+BitMask finished(const BitMask& mask,
+                 const BitMask& kept,
+                 double closing_mm,
+                 const Eigen::Vector3d& spacing_mm) {
+  const BitMask whole = closed(mask, closing_mm, spacing_mm);
+  const Components parts(whole);
+  if (parts.parts().empty()) return whole;
+  const std::size_t largest = parts.largest();
+  const auto held = parts.overlap(kept);
+  return filled(parts.select([&](std::size_t i) { return i == largest || held[i] > 0; }));
+}
+
 }  // namespace
+
+bool is_near(const BitMask& mask, const Eigen::Vector3d& place_mm, const Volume& volume) {
+  const auto voxels = voxels_near(place_mm, volume);
+  return std::any_of(voxels.begin(), voxels.end(), [&](const std::array<int, 3>& at) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (at[axis] < 0 || at[axis] >= mask.size()[axis]) return false;
+    return mask.test(at[0], at[1], at[2]);
+  });
+}
 
 Result<BodyMask> body_mask(const Volume& volume,
                            const BodyMaskOptions& options,
@@ -162,8 +242,9 @@ Result<BodyMask> body_mask(const Volume& volume,
     if (progress) progress(stage, fraction);
   };
   report("threshold", 0.0);
-  const BitMask matter = threshold(volume, options.threshold_hu, options.upper_hu);
-  BitMask mask = matter;
+  BodyMask result;
+  result.matter = threshold(volume, options.threshold_hu, options.upper_hu);
+  BitMask mask = result.matter;
   if (mask.count() == 0) {
     return make_error(ErrorCode::kInvalidArgument,
                       "no voxel lies between " +
@@ -182,12 +263,28 @@ Result<BodyMask> body_mask(const Volume& volume,
   // What leans on the body is cut off before gaps are closed: closing would weld it on.
   mask |= solid_inside(whole, options.closing_mm, volume.spacing_mm);
   report("body", 0.5);
-  mask = without_what_leans_on(mask, volume.spacing_mm).body;
+  Torn torn = without_what_leans_on(mask, volume.spacing_mm);
   report("body", 0.8);
-  mask = filled(largest_part(closed(mask, options.closing_mm, volume.spacing_mm)));
-  MOR_CHECK(check_air(mask, volume, options.threshold_hu));
+  const BitMask nothing(volume.size);
+  result.body = finished(torn.body, nothing, options.closing_mm, volume.spacing_mm);
+  result.found_cut = result.matter;
+  result.found_cut.subtract(result.body);
+  result.found_standing_out = std::move(torn.given_back);
+  result.found_standing_out &= result.body;
+  if (!options.keep_mm.empty() || !options.cut_mm.empty()) {
+    MOR_TRY(const BitMask kept,
+            marked_parts(result.found_cut, result.body, options.keep_mm, volume, "keep"));
+    MOR_TRY(
+        const BitMask cut,
+        marked_parts(result.found_standing_out, result.found_cut, options.cut_mm, volume, "cut"));
+    torn.body.subtract(cut);
+    torn.body |= kept;
+    result.body = finished(torn.body, kept, options.closing_mm, volume.spacing_mm);
+    result.body.subtract(cut);
+  }
+  MOR_CHECK(check_air(result.body, volume, options.threshold_hu));
   report("body", 1.0);
-  return BodyMask{std::move(mask), matter};
+  return result;
 }
 
 }  // namespace mor::internal

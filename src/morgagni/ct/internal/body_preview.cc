@@ -6,8 +6,6 @@
 #include <array>
 #include <cmath>
 
-#include "morgagni/ct/internal/components.h"
-
 namespace mor::internal {
 namespace {
 
@@ -147,49 +145,7 @@ class PreviewPainter {
   double largest_mm_ = 0.0;
 };
 
-std::string place_of(const Eigen::Vector3d& offset_mm) {
-  int axis = 0;
-  offset_mm.cwiseAbs().maxCoeff(&axis);
-  constexpr std::array<std::array<const char*, 2>, 3> kWords = {
-      {{"right of", "left of"}, {"in front of", "behind"}, {"below", "above"}}};
-  return kWords[static_cast<std::size_t>(axis)][offset_mm[axis] > 0.0 ? 1 : 0];
-}
-
 }  // namespace
-
-std::vector<CutPart> cut_parts(const Volume& volume, const BitMask& matter, const BitMask& body) {
-  constexpr double kLeastMl = 1.0;
-  constexpr std::size_t kMostParts = 20;
-  BitMask rest = matter;
-  rest.subtract(body);
-  const Components parts(rest);
-  const Components body_part(body);
-  const auto middle_of = [&](const Components::Part& part) {
-    const Eigen::Vector3d low(part.low_x, part.low_y, part.low_z);
-    const Eigen::Vector3d high(part.high_x, part.high_y, part.high_z);
-    return Eigen::Vector3d(0.5 * (low + high).cwiseProduct(volume.spacing_mm));
-  };
-  if (body_part.parts().empty()) return {};
-  const Eigen::Vector3d body_middle = middle_of(body_part.parts()[body_part.largest()]);
-  std::vector<CutPart> cut;
-  for (const auto& part : parts.parts()) {
-    const double volume_ml =
-        static_cast<double>(part.num_voxels) * volume.spacing_mm.prod() / 1000.0;
-    if (volume_ml < kLeastMl) continue;
-    const Eigen::Vector3d offset_mm =
-        volume.ct_from_grid.linear() * (middle_of(part) - body_middle);
-    const Eigen::Vector3d size_mm = Eigen::Vector3d(part.high_x - part.low_x + 1,
-                                                    part.high_y - part.low_y + 1,
-                                                    part.high_z - part.low_z + 1)
-                                        .cwiseProduct(volume.spacing_mm);
-    cut.push_back({place_of(offset_mm), volume_ml, size_mm});
-  }
-  std::sort(cut.begin(), cut.end(), [](const CutPart& a, const CutPart& b) {
-    return a.volume_ml > b.volume_ml;
-  });
-  cut.resize(std::min(cut.size(), kMostParts));
-  return cut;
-}
 
 Image<Rgb8> draw_body_preview(const Volume& volume, const BitMask& matter, const BitMask& body) {
   const PreviewPainter painter(volume, matter, body);

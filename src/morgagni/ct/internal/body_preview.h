@@ -2,19 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <vector>
-
 #include "morgagni/core/image.h"
-#include "morgagni/ct/cut_part.h"
 #include "morgagni/ct/internal/bit_mask.h"
 #include "morgagni/geometry/volume.h"
 
 namespace mor::internal {
-
-/// The parts of `matter` outside `body` of 1 ml and more, the largest first, at most 20.
-[[nodiscard]] std::vector<CutPart> cut_parts(const Volume& volume,
-                                             const BitMask& matter,
-                                             const BitMask& body);
 
 /// A picture to judge the cut by: three slices, a front and a side view. The body is grey with a
 /// green outline, what was cut off is red.

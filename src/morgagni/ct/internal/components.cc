@@ -121,6 +121,29 @@ BitMask Components::select(const std::function<bool(std::size_t)>& wanted) const
   return mask;
 }
 
+std::optional<std::size_t> Components::part_at(const std::array<int, 3>& voxel) const {
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (voxel[axis] < 0 || voxel[axis] >= size_[axis]) return std::nullopt;
+  const std::size_t row = static_cast<std::size_t>(voxel[2]) * static_cast<std::size_t>(size_[1]) +
+                          static_cast<std::size_t>(voxel[1]);
+  for (std::size_t i = row_starts_[row]; i < row_starts_[row + 1]; ++i)
+    if (runs_[i].begin <= voxel[0] && voxel[0] < runs_[i].end) return runs_[i].part;
+  return std::nullopt;
+}
+
+std::vector<std::array<int, 3>> Components::samples(std::size_t part, std::size_t num) const {
+  std::vector<const Run*> runs;
+  for (const Run& run : runs_)
+    if (run.part == part) runs.push_back(&run);
+  num = std::min(num, runs.size());
+  std::vector<std::array<int, 3>> voxels;
+  for (std::size_t i = 0; i < num; ++i) {
+    const Run& run = *runs[(2 * i + 1) * runs.size() / (2 * num)];
+    voxels.push_back({(run.begin + run.end - 1) / 2, run.y, run.z});
+  }
+  return voxels;
+}
+
 std::vector<std::size_t> Components::overlap(const BitMask& other) const {
   std::vector<std::size_t> counts(parts_.size());
   for (const Run& run : runs_) {

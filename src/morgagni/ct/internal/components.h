@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "morgagni/ct/internal/bit_mask.h"
@@ -32,6 +33,10 @@ class Components {
   [[nodiscard]] std::size_t largest() const;
   /// The voxels of the parts for which `wanted(index)` holds.
   [[nodiscard]] BitMask select(const std::function<bool(std::size_t)>& wanted) const;
+  /// The part that a voxel belongs to.
+  [[nodiscard]] std::optional<std::size_t> part_at(const std::array<int, 3>& voxel) const;
+  /// At most `num` voxels of a part, spread over its length in z.
+  [[nodiscard]] std::vector<std::array<int, 3>> samples(std::size_t part, std::size_t num) const;
   /// How many voxels of each part are set in `other` too.
   [[nodiscard]] std::vector<std::size_t> overlap(const BitMask& other) const;
 
