@@ -25,6 +25,7 @@ const Layers& layers() {
                                  {"tracking", 3},
                                  {"documentation", 3},
                                  {"casefile", 3},
+                                 {"calibration", 3},
                                  {"evaluation", 4},
                                  {"session", 5}};
   return kLayers;

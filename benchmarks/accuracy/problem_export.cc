@@ -197,7 +197,8 @@ Result<void> export_problems(const std::filesystem::path& out,
   const std::size_t num_frames =
       std::min<std::size_t>(recording.size(), static_cast<std::size_t>(options.num_frames));
   for (std::size_t i = 0; i < num_frames; ++i) {
-    MOR_TRY(const auto frame, recording.read(i * recording.size() / num_frames));
+    MOR_TRY(auto sensed, recording.read(i * recording.size() / num_frames));
+    const auto frame = depth_corrected(std::move(sensed));
     const auto pose = truth_at(truth.poses, recording.timestamp_s(frame->frame_id));
     if (!pose) {
       return make_error(ErrorCode::kInvalidArgument,

@@ -70,7 +70,7 @@ class OwnAutomaticStart : public Method {
         registration_(value_or_throw(make_fine_registration(fixed_, {}))) {}
 
   void set_frame(const ProblemFrame& frame) override {
-    picture_ = value_or_throw(recording_.read(frame.recording_frame));
+    picture_ = depth_corrected(value_or_throw(recording_.read(frame.recording_frame)));
   }
   void set_moving(const TriangleMesh& /*cut out at the truth*/) override {}
 

@@ -61,7 +61,8 @@ StartReport evaluate_recorded(const Arguments& arguments, const Case& body) {
   }
   const auto views = [&](std::size_t i) -> Result<StartView> {
     MOR_TRY(auto frame, recording.read(known[i]));
-    return StartView{std::move(frame), *truth_at(truth.poses, recording.timestamp_s(known[i]))};
+    return StartView{depth_corrected(std::move(frame)),
+                     *truth_at(truth.poses, recording.timestamp_s(known[i]))};
   };
   return value_or_exit(
       evaluate_starts(views, known.size(), body.skin, arguments.options, console_progress()));

@@ -96,7 +96,89 @@ Result<Eigen::Isometry3d> parse_rigid(const Json& root, const std::string& name)
   return result;
 }
 
+Json correction_json(const DepthCorrection& correction) {
+  Json c0 = Json::array();
+  Json c1 = Json::array();
+  Json c2 = Json::array();
+  for (const auto& point : correction.control) {
+    c0.push_back(point.c0_mm);
+    c1.push_back(point.c1);
+    c2.push_back(point.c2_per_mm);
+  }
+  Json json = {{"near_mm", correction.near_mm},
+               {"far_mm", correction.far_mm},
+               {"columns", correction.columns},
+               {"rows", correction.rows},
+               {"c0_mm", c0},
+               {"c1", c1},
+               {"c2_per_mm", c2}};
+  if (!correction.curve.empty()) {
+    Json& curve = json["curve"] = Json::array();
+    for (const auto& knot : correction.curve) curve.push_back({knot.z_mm, knot.add_mm});
+  }
+  return json;
+}
+
+constexpr const char* kCorrection = "depth_correction";
+
+Result<std::vector<double>> numbers(const Json& json, const char* key, std::size_t count) {
+  const auto values = json.find(key);
+  if (values == json.end() || !values->is_array() || values->size() != count) {
+    return bad(fmt::format("{}.{} must hold {} numbers", kCorrection, key, count));
+  }
+  std::vector<double> result;
+  for (const auto& value : *values) {
+    MOR_TRY(const double number, finite(value, fmt::format("{}.{}", kCorrection, key)));
+    result.push_back(number);
+  }
+  return result;
+}
+
+Result<std::vector<DepthCorrection::Knot>> parse_curve(const Json& json) {
+  std::vector<DepthCorrection::Knot> curve;
+  const auto knots = json.find("curve");
+  if (knots == json.end()) return curve;
+  const std::string name = std::string(kCorrection) + ".curve";
+  if (!knots->is_array()) return bad(name + " must hold pairs of z_mm and add_mm");
+  for (const auto& knot : *knots) {
+    if (!knot.is_array() || knot.size() != 2) {
+      return bad(name + " must hold pairs of z_mm and add_mm");
+    }
+    MOR_TRY(const double z_mm, finite(knot[0], name));
+    MOR_TRY(const double add_mm, finite(knot[1], name));
+    curve.push_back({z_mm, add_mm});
+  }
+  return curve;
+}
+
+Result<DepthCorrection> parse_correction(const Json& json) {
+  if (!json.is_object()) return bad(std::string(kCorrection) + " is no JSON object");
+  DepthCorrection correction;
+  MOR_TRY(correction.near_mm, member(json, kCorrection, "near_mm"));
+  MOR_TRY(correction.far_mm, member(json, kCorrection, "far_mm"));
+  MOR_TRY(correction.columns, size_px(json, kCorrection, "columns"));
+  MOR_TRY(correction.rows, size_px(json, kCorrection, "rows"));
+  const auto count =
+      static_cast<std::size_t>(correction.columns) * static_cast<std::size_t>(correction.rows);
+  MOR_TRY(const auto c0, numbers(json, "c0_mm", count));
+  MOR_TRY(const auto c1, numbers(json, "c1", count));
+  MOR_TRY(const auto c2, numbers(json, "c2_per_mm", count));
+  correction.control.clear();
+  for (std::size_t i = 0; i < count; ++i) correction.control.push_back({c0[i], c1[i], c2[i]});
+  MOR_TRY(correction.curve, parse_curve(json));
+  MOR_CHECK(correction.check());
+  return correction;
+}
+
 }  // namespace
+
+std::string depth_correction_to_json(const DepthCorrection& correction) {
+  return correction_json(correction).dump(1) + "\n";
+}
+
+Result<DepthCorrection> depth_correction_from_json(std::string_view text) {
+  return parse_correction(Json::parse(text, nullptr, /*allow_exceptions=*/false));
+}
 
 std::string calibration_to_json(const RgbdCalibration& calibration) {
   Json rows = Json::array();
@@ -104,11 +186,13 @@ std::string calibration_to_json(const RgbdCalibration& calibration) {
     const Eigen::Vector4d row = calibration.color_from_depth.matrix().row(y);
     rows.push_back({row[0], row[1], row[2], row[3]});
   }
-  return Json{{"depth", pinhole_json(calibration.depth)},
-              {"color", pinhole_json(calibration.color)},
-              {"color_from_depth", rows}}
-             .dump(1) +
-         "\n";
+  Json json = {{"depth", pinhole_json(calibration.depth)},
+               {"color", pinhole_json(calibration.color)},
+               {"color_from_depth", rows}};
+  if (calibration.depth_correction) {
+    json[kCorrection] = correction_json(*calibration.depth_correction);
+  }
+  return json.dump(1) + "\n";
 }
 
 Result<RgbdCalibration> calibration_from_json(std::string_view text) {
@@ -118,6 +202,10 @@ Result<RgbdCalibration> calibration_from_json(std::string_view text) {
   MOR_TRY(calibration.depth, parse_pinhole(json, "depth"));
   MOR_TRY(calibration.color, parse_pinhole(json, "color"));
   MOR_TRY(calibration.color_from_depth, parse_rigid(json, "color_from_depth"));
+  if (const auto correction = json.find(kCorrection); correction != json.end()) {
+    MOR_TRY(auto parsed, parse_correction(*correction));
+    calibration.depth_correction = std::make_shared<const DepthCorrection>(std::move(parsed));
+  }
   return calibration;
 }
 

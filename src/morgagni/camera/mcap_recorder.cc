@@ -213,8 +213,9 @@ Result<void> McapRecorder::Impl::end_chunk() {
   return ended;
 }
 
-Result<void> McapRecorder::add(const RgbdFrame& frame, const std::optional<FoundPose>& pose) {
+Result<void> McapRecorder::add(const RgbdFrame& given, const std::optional<FoundPose>& pose) {
   auto& impl = *impl_;
+  const RgbdFrame& frame = as_sensed(given);
   MOR_CHECK(impl.check(frame));
   if (!impl.calibration) MOR_CHECK(impl.begin(frame));
   const bool is_lossless = impl.options.color == ColorCoding::kLossless;

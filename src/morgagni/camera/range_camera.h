@@ -12,6 +12,7 @@
 
 #include <Eigen/Geometry>
 
+#include "morgagni/camera/depth_correction.h"
 #include "morgagni/core/image.h"
 #include "morgagni/core/result.h"
 #include "morgagni/geometry/pinhole_camera.h"
@@ -24,14 +25,20 @@ struct RgbdCalibration {
   PinholeCamera depth;
   PinholeCamera color;
   Eigen::Isometry3d color_from_depth = Eigen::Isometry3d::Identity();
+  /// What the depth camera's readings are wrong by (see depth_corrected). Null: not known.
+  std::shared_ptr<const DepthCorrection> depth_correction = nullptr;
 
   bool operator==(const RgbdCalibration& other) const {
-    return depth == other.depth && color == other.color &&
+    const bool same_correction = depth_correction && other.depth_correction
+                                     ? *depth_correction == *other.depth_correction
+                                     : depth_correction == other.depth_correction;
+    return depth == other.depth && color == other.color && same_correction &&
            color_from_depth.matrix() == other.color_from_depth.matrix();
   }
 };
 
-/// One moment of a range camera. Depth and colour stay as the sensor gave them.
+/// One moment of a range camera. Depth and colour stay as the sensor gave them, except where
+/// `as_sensed` says otherwise.
 struct RgbdFrame {
   std::uint64_t frame_id = 0;  ///< Counts from 0; of a looped recording, the number within it.
   std::chrono::steady_clock::time_point captured_at;
@@ -40,6 +47,8 @@ struct RgbdFrame {
   std::shared_ptr<const RgbdCalibration> calibration;
   /// By the device's own clock, whose origin is its own. None: it has none.
   std::optional<std::chrono::nanoseconds> device_time = std::nullopt;
+  /// The frame whose depth was corrected to make this one. Null: this is what the sensor gave.
+  std::shared_ptr<const RgbdFrame> as_sensed = nullptr;
 };
 
 /// A source of frames. Recordings and the simulation are ordinary cameras.

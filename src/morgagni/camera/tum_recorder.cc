@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/camera/calibration_json.h"
 #include "morgagni/core/files.h"
 #include "morgagni/core/image_png.h"
 #include "morgagni/core/pending_folder.h"
@@ -43,17 +44,21 @@ std::string truth_line(double timestamp_s, const Eigen::Isometry3d& ct_from_came
                      q.w());
 }
 
-std::string intrinsics_json(const PinholeCamera& camera) {
-  return nlohmann::ordered_json{{"fx", camera.focal_x_px},
-                                {"fy", camera.focal_y_px},
-                                {"cx", camera.center_x_px},
-                                {"cy", camera.center_y_px},
-                                {"width", camera.width_px},
-                                {"height", camera.height_px},
-                                {"depth_scale", 1000.0},
-                                {"distortion", camera.distortion}}
-             .dump(1) +
-         "\n";
+std::string intrinsics_json(const RgbdCalibration& calibration) {
+  const PinholeCamera& camera = calibration.depth;
+  nlohmann::ordered_json json = {{"fx", camera.focal_x_px},
+                                 {"fy", camera.focal_y_px},
+                                 {"cx", camera.center_x_px},
+                                 {"cy", camera.center_y_px},
+                                 {"width", camera.width_px},
+                                 {"height", camera.height_px},
+                                 {"depth_scale", 1000.0},
+                                 {"distortion", camera.distortion}};
+  if (calibration.depth_correction) {
+    json["depth_correction"] =
+        nlohmann::ordered_json::parse(depth_correction_to_json(*calibration.depth_correction));
+  }
+  return json.dump(1) + "\n";
 }
 
 bool has_size(int width, int height, const PinholeCamera& camera) {
@@ -86,12 +91,12 @@ Result<void> TumRecorder::Impl::check(const RgbdFrame& frame,
                                       bool has_truth) const {
   if (is_finished) return invalid("the recording is finished");
   if (!frame.calibration) return invalid("a frame without calibration cannot be recorded");
-  const auto& [depth, color, color_from_depth] = *frame.calibration;
+  const auto& [depth, color, color_from_depth, correction] = *frame.calibration;
   if (depth != color || !color_from_depth.isApprox(Eigen::Isometry3d::Identity(), 1e-9)) {
     return make_error(ErrorCode::kUnsupported,
                       "the TUM layout has one pinhole for depth and colour, this camera has two");
   }
-  if (calibration && calibration->depth != depth) {
+  if (calibration && *calibration != *frame.calibration) {
     return invalid("the camera's calibration changed during the recording");
   }
   if (!has_size(frame.depth_mm.width(), frame.depth_mm.height(), depth) ||
@@ -130,9 +135,10 @@ Result<TumRecorder> TumRecorder::create(const fs::path& folder) {
   return TumRecorder(std::make_unique<Impl>(folder, std::move(pending)));
 }
 
-Result<void> TumRecorder::add(const RgbdFrame& frame,
+Result<void> TumRecorder::add(const RgbdFrame& given,
                               double timestamp_s,
                               const std::optional<Eigen::Isometry3d>& ct_from_camera) {
+  const RgbdFrame& frame = as_sensed(given);
   MOR_CHECK(impl_->check(frame, timestamp_s, ct_from_camera.has_value()));
   const auto& folder = impl_->pending.path();
   const auto name = fmt::format("{:06}.png", impl_->num_frames);
@@ -163,7 +169,7 @@ Result<void> TumRecorder::finish() {
   const auto& aside = impl_->pending.path();
   MOR_CHECK(write_file(aside / "rgb.txt", impl_->color_list));
   MOR_CHECK(write_file(aside / "depth.txt", impl_->depth_list));
-  MOR_CHECK(write_file(aside / "intrinsics.json", intrinsics_json(impl_->calibration->depth)));
+  MOR_CHECK(write_file(aside / "intrinsics.json", intrinsics_json(*impl_->calibration)));
   if (!impl_->truth.empty()) {
     constexpr const char* kHead =
         "# timestamp tx ty tz qx qy qz qw   camera in the CT's world (RAS+), metres\n";

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/camera/calibration_json.h"
 #include "morgagni/core/files.h"
 #include "morgagni/core/image_png.h"
 #include "morgagni/core/log.h"
@@ -126,8 +127,19 @@ Result<void> read_distortion(const Json& json, const fs::path& path, PinholeCame
   return {};
 }
 
+/// Our own addition to the layout.
+Result<std::shared_ptr<const DepthCorrection>> read_correction(const Json& json,
+                                                               const fs::path& path) {
+  const auto value = json.find("depth_correction");
+  if (value == json.end()) return nullptr;
+  auto correction = depth_correction_from_json(value->dump());
+  if (!correction) return bad(path, correction.error().message);
+  return std::make_shared<const DepthCorrection>(*std::move(correction));
+}
+
 struct Intrinsics {
   PinholeCamera camera;
+  std::shared_ptr<const DepthCorrection> correction;
   double depth_units_per_mm = 1.0;
 };
 
@@ -145,6 +157,7 @@ Result<Intrinsics> read_intrinsics(const fs::path& path) {
   MOR_TRY(camera.center_y_px, number(json, "cy", path));
   MOR_CHECK(read_distortion(json, path, camera));
   if (const auto checked = camera.check(); !checked) return bad(path, checked.error().message);
+  MOR_TRY(intrinsics.correction, read_correction(json, path));
   MOR_TRY(const double units_per_m, number(json, "depth_scale", path));
   if (!(units_per_m >= 1.0 && units_per_m <= 1e6)) {
     return bad(
@@ -202,8 +215,8 @@ Result<TumRecording> TumRecording::open(const fs::path& folder) {
 
   TumRecording recording;
   recording.depth_units_per_mm_ = intrinsics.depth_units_per_mm;
-  recording.calibration_ = std::make_shared<const RgbdCalibration>(
-      RgbdCalibration{intrinsics.camera, intrinsics.camera, Eigen::Isometry3d::Identity()});
+  recording.calibration_ = std::make_shared<const RgbdCalibration>(RgbdCalibration{
+      intrinsics.camera, intrinsics.camera, Eigen::Isometry3d::Identity(), intrinsics.correction});
   for (const auto& depth : depths) {
     const auto& color = nearest_entry(colors, depth.timestamp_s);
     if (std::abs(color.timestamp_s - depth.timestamp_s) > kMaxPairingGapS) continue;

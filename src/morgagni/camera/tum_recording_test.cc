@@ -166,6 +166,28 @@ TEST_F(Tum, RefusesFramesThatTheLayoutCannotHold) {
   EXPECT_THAT(recorder.add(small, 2.0, std::nullopt).error().message, HasSubstr("8x6"));
 }
 
+TEST_F(Tum, KeepsTheDepthCorrectionAndWhatTheSensorGave) {
+  auto sensed = std::make_shared<RgbdFrame>(frame(0));
+  auto calibration = *sensed->calibration;
+  DepthCorrection correction;
+  correction.control = {{.c0_mm = 4.0, .c1 = 1.0 / 300.0}};
+  calibration.depth_correction = std::make_shared<const DepthCorrection>(correction);
+  sensed->calibration = std::make_shared<const RgbdCalibration>(calibration);
+  auto recorder = TumRecorder::create(folder_).value();
+  ASSERT_TRUE(recorder.add(*depth_corrected(sensed), 1.0, std::nullopt));
+  EXPECT_THAT(recorder.add(frame(1), 2.0, std::nullopt).error().message,
+              HasSubstr("calibration changed"));
+  ASSERT_TRUE(recorder.finish());
+  const auto recording = TumRecording::open(folder_).value();
+  EXPECT_EQ(*recording.calibration(), calibration);
+  EXPECT_EQ(recording.read(0).value()->depth_mm, sensed->depth_mm);
+
+  auto text = text_of("intrinsics.json");
+  text.replace(text.find("\"rows\": 1"), 9, "\"rows\": 2");
+  write("intrinsics.json", text);
+  EXPECT_THAT(open_error(), AllOf(HasSubstr("intrinsics.json"), HasSubstr("must hold 2 numbers")));
+}
+
 TEST_F(Tum, SaysWhatIsMissing) {
   EXPECT_THAT(open_error(), HasSubstr("no such folder"));
   for (const char* name : {"rgb.txt", "depth.txt", "intrinsics.json"}) {

@@ -61,7 +61,7 @@ class SeedRun {
     MOR_TRY(auto tracker,
             Tracker::create({}, group_.body, std::move(extractor), std::move(registration)));
     ++runs_.num_frames[index_];
-    if (!tracker.start_at(*frame, start)) {
+    if (!tracker.start_at(frame, start)) {
       ++runs_.num_not_found[index_];
       return {};
     }

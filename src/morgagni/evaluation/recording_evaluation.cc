@@ -255,8 +255,8 @@ Result<EvaluationReport> evaluate_recording(const TumRecording& recording,
   int num_without_truth = 0;
   for (std::size_t i = 0; i < recording.size(); ++i) {
     if (const auto pose = truth_at(truth, recording.timestamp_s(i))) {
-      MOR_TRY(const auto frame, recording.read(i));
-      MOR_CHECK(evaluation.add_frame(*frame, *pose));
+      MOR_TRY(auto frame, recording.read(i));
+      MOR_CHECK(evaluation.add_frame(*depth_corrected(std::move(frame)), *pose));
     } else {
       ++num_without_truth;
     }

@@ -7,6 +7,7 @@
 #include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/camera/calibration_json.h"
 #include "morgagni/core/utc.h"
 #include "morgagni/core/version.h"
 
@@ -31,9 +32,13 @@ Json to_json(const PinholeCamera& camera) {
 }
 
 Json to_json(const RgbdCalibration& calibration) {
-  return {{"depth", to_json(calibration.depth)},
-          {"color", to_json(calibration.color)},
-          {"color_from_depth", to_json(calibration.color_from_depth)}};
+  Json json = {{"depth", to_json(calibration.depth)},
+               {"color", to_json(calibration.color)},
+               {"color_from_depth", to_json(calibration.color_from_depth)}};
+  if (calibration.depth_correction) {
+    json["depth_correction"] = Json::parse(depth_correction_to_json(*calibration.depth_correction));
+  }
+  return json;
 }
 
 Json to_json(const Eigen::Isometry3d& pose) {

@@ -139,7 +139,7 @@ class Loop final : public LiveLoop {
     MOR_TRY(const auto start, start_from_landmarks(pairs));
     {
       const std::lock_guard lock(tracker_mutex_);
-      MOR_CHECK(tracker_.start_at(*frame, start.ct_from_depth));
+      MOR_CHECK(tracker_.start_at(frame, start.ct_from_depth));
       search_.cancel();
     }
     forget_search();
@@ -299,9 +299,9 @@ class Loop final : public LiveLoop {
                frame->captured_at < *last_searched_at_) {
       if (!search_.is_searching()) last_searched_at_ = frame->captured_at;
       if (in_step_) {
-        offer(search_.search(std::move(frame)));
+        offer(search_.search(tracked.frame));
       } else {
-        search_.begin(std::move(frame));
+        search_.begin(tracked.frame);
       }
     }
     const std::lock_guard status_lock(mutex_);

@@ -57,7 +57,7 @@ OverlayView overlay_view(const RgbdFrame& frame,
                          const std::optional<Eigen::Isometry3d>& ct_from_ghost,
                          const ViewSettings& view,
                          bool is_still) {
-  const auto& [depth_camera, color_camera, color_from_depth] = *frame.calibration;
+  const auto& [depth_camera, color_camera, color_from_depth, correction] = *frame.calibration;
   OverlayView overlay;
   overlay.color_camera = color_camera;
   overlay.opacity = view.opacity;
@@ -94,7 +94,7 @@ FreeView free_view(const ViewSettings& view,
   free.structure_opacity = opacities(view);
   free.structure_opacity[kSkinName] = 0.0F;  // It is there in colours.
   if (textured == nullptr || !ct_from_depth) return free;
-  const auto& [depth_camera, color_camera, color_from_depth] = *textured->calibration;
+  const auto& [depth_camera, color_camera, color_from_depth, correction] = *textured->calibration;
   free.picture = {.color = textured->color.view(),
                   .camera = color_camera,
                   .color_from_ct = color_from_depth * ct_from_depth->inverse()};

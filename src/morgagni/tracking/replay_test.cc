@@ -40,7 +40,7 @@ class ReplayTest : public testing::Test {
     for (int i = 0; i < num_frames; ++i) {
       const auto frame = camera.next_frame({}).value();
       if (i == 0) {
-        EXPECT_TRUE(tracker.start_at(*frame, start_));
+        EXPECT_TRUE(tracker.start_at(frame, start_));
       }
       tracked.push_back(tracker.process(frame).value());
     }
@@ -52,22 +52,35 @@ class ReplayTest : public testing::Test {
   Eigen::Isometry3d start_ = Eigen::Isometry3d::Identity();
 };
 
+/// Its calibration says that the depth needs correction, by another amount at each place.
+std::shared_ptr<const RgbdCalibration> needing_correction(const RgbdCalibration& calibration) {
+  auto corrected = std::make_shared<RgbdCalibration>(calibration);
+  DepthCorrection correction{.columns = 2, .rows = 2};
+  correction.control = {{.c0_mm = 3.3}, {.c1 = 0.004}, {.c2_per_mm = 3e-6}, {.c0_mm = -1.7}};
+  correction.curve = {{700.0, 0.7}, {800.0, -0.4}};
+  corrected->depth_correction = std::make_shared<const DepthCorrection>(correction);
+  return corrected;
+}
+
 /// Not quite 30 a second: the tracker foresees the camera's way from the times between the frames.
 class UnevenCamera : public RangeCamera {
  public:
-  explicit UnevenCamera(const SimulatedCamera& camera) : camera_(camera) {}
+  explicit UnevenCamera(const SimulatedCamera& camera)
+      : camera_(camera), calibration_(needing_correction(camera.calibration())) {}
 
   Result<std::shared_ptr<const RgbdFrame>> next_frame(std::stop_token /*stop*/) override {
     auto frame = std::make_shared<RgbdFrame>(*camera_.frame_at(next_));
     now_ += std::chrono::nanoseconds(33'333'333 + 1'234'567 * static_cast<int>(next_ % 5));
     frame->captured_at = now_;
+    frame->calibration = calibration_;
     ++next_;
     return frame;
   }
-  const RgbdCalibration& calibration() const override { return camera_.calibration(); }
+  const RgbdCalibration& calibration() const override { return *calibration_; }
 
  private:
   const SimulatedCamera& camera_;
+  std::shared_ptr<const RgbdCalibration> calibration_;
   std::uint64_t next_ = 0;
   std::chrono::steady_clock::time_point now_ = std::chrono::steady_clock::now();
 };
@@ -102,6 +115,12 @@ TEST_F(ReplayTest, FindsEveryBitOfTheLivePosesEachTime) {
       ASSERT_EQ(again[i].state, TrackingState::kTracking) << "frame " << i;
       EXPECT_EQ(again[i].ct_from_depth->matrix(), seen[i].ct_from_depth->matrix()) << "frame " << i;
       EXPECT_EQ(again[i].frame->color, seen[i].frame->color) << "frame " << i;
+      EXPECT_EQ(again[i].frame->depth_mm, seen[i].frame->depth_mm) << "frame " << i;
+      // The recording keeps what the sensor gave; the correction was applied to both.
+      const auto& sensed = as_sensed(*again[i].frame).depth_mm;
+      EXPECT_EQ(sensed, as_sensed(*seen[i].frame).depth_mm) << "frame " << i;
+      EXPECT_EQ(sensed, simulated->frame_at(i)->depth_mm) << "frame " << i;
+      EXPECT_NE(sensed, again[i].frame->depth_mm) << "frame " << i;
       const auto kept = recording.pose(i).value().value();
       EXPECT_EQ(kept.ct_from_depth->matrix(), seen[i].ct_from_depth->matrix()) << "frame " << i;
     }

@@ -61,7 +61,7 @@ class ResumeTest : public testing::Test {
 
   void start_at(std::uint64_t frame_id) {
     const auto frame = camera_->frame_at(frame_id);
-    ASSERT_TRUE(tracker_->start_at(*frame, camera_->ct_from_camera(frame_id)));
+    ASSERT_TRUE(tracker_->start_at(frame, camera_->ct_from_camera(frame_id)));
     ASSERT_EQ(show(frame_id).state, TrackingState::kTracking);
   }
 

@@ -110,7 +110,10 @@ void Tracker::start_by_placement(const Eigen::Isometry3d& ct_from_depth) {
   ct_from_ghost_ = ct_from_depth;
 }
 
-Result<void> Tracker::start_at(const RgbdFrame& frame, const Eigen::Isometry3d& ct_from_depth) {
+Result<void> Tracker::start_at(const std::shared_ptr<const RgbdFrame>& given,
+                               const Eigen::Isometry3d& ct_from_depth) {
+  const auto corrected = depth_corrected(given);
+  const RgbdFrame& frame = *corrected;
   MOR_TRY(const auto scene, segment(frame, ct_from_depth));
   MOR_TRY(const auto found, attempt(scene, ct_from_depth, StartQuality::kRough));
   if (is_a_start(found)) {
@@ -140,6 +143,8 @@ Result<TrackedFrame> Tracker::process(std::shared_ptr<const RgbdFrame> frame) {
   TrackedFrame tracked;
   judgement_ms_ = 0.0;
   const auto depth_started = Clock::now();
+  // The one place where the depth is corrected: what the sensor gave goes no further.
+  frame = depth_corrected(std::move(frame));
   MOR_TRY(const auto scene, segment(*frame, expected_pose(*frame)));
   tracked.depth_ms = ms_since(depth_started);
 

@@ -55,7 +55,7 @@ struct TrackingCounts {
 
 /// A frame and what tracking made of it.
 struct TrackedFrame {
-  std::shared_ptr<const RgbdFrame> frame;
+  std::shared_ptr<const RgbdFrame> frame;  ///< Its depth is corrected (depth_corrected).
   TrackingState state = TrackingState::kWaiting;
   std::optional<Eigen::Isometry3d>
       ct_from_depth;          ///< To be shown with this frame. None: show nothing.
@@ -101,11 +101,12 @@ class Tracker {
   /// Starts from a pose that belongs to `frame`, as landmarks give it.
   /// @errors kInvalidArgument: the surface does not fit there; says by how much. The state stays as
   /// it was.
-  [[nodiscard]] Result<void> start_at(const RgbdFrame& frame,
+  [[nodiscard]] Result<void> start_at(const std::shared_ptr<const RgbdFrame>& frame,
                                       const Eigen::Isometry3d& ct_from_depth);
 
-  /// Tries a pose that was found in `frame`, which may be a while ago, on the frames to come: it is
-  /// used once it fits one of them well, and forgotten when it fits none of the next few.
+  /// Tries a pose that was found in a frame that process() gave, maybe a while ago, on the frames
+  /// to come: it is used once it fits one of them well, and forgotten when it fits none of the next
+  /// few.
   void offer_start(const RgbdFrame& frame, const Eigen::Isometry3d& ct_from_depth);
 
   /// @errors kInvalidArgument: a frame of another size than the camera's.

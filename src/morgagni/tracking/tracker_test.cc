@@ -123,7 +123,7 @@ class TrackerTest : public testing::Test {
                   TrackingGate gate = TrackingGate::kEvidence) {
     results.push_front(gate == TrackingGate::kEvidence ? good(0.0) : residual(0.0, 2.0));
     auto tracker = make(std::move(results), gate);
-    EXPECT_TRUE(tracker.start_at(*frame(milliseconds(0)), at(0.0)));
+    EXPECT_TRUE(tracker.start_at(frame(milliseconds(0)), at(0.0)));
     script_->init_x_mm.clear();
     script_->starts.clear();
     return tracker;
@@ -276,7 +276,7 @@ TEST_F(TrackerTest, AnOfferThatNeverFitsIsForgotten) {
 
 TEST_F(TrackerTest, RefusesAStartThatDoesNotFitAndSaysByHowMuch) {
   auto tracker = make({wrong()});
-  const auto refused = tracker.start_at(*frame(milliseconds(0)), at(0.0));
+  const auto refused = tracker.start_at(frame(milliseconds(0)), at(0.0));
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, HasSubstr("100 % of it would float"));
   EXPECT_THAT(refused.error().message, HasSubstr("residual 1.2 mm (limit 6.0 mm)"));
@@ -293,7 +293,7 @@ TEST_F(TrackerTest, WaitsAgainWhenTold) {
 
 TEST_F(TrackerTest, AMethodWithoutInformationIsJudgedByItsResidualAndHasNoBound) {
   auto tracker = make({residual(0.0, 1.0), residual(1.0, 1.2), residual(2.0, 9.0)});
-  ASSERT_TRUE(tracker.start_at(*frame(milliseconds(0)), at(0.0)));
+  ASSERT_TRUE(tracker.start_at(frame(milliseconds(0)), at(0.0)));
   auto tracked = tracker.process(frame(milliseconds(33))).value();
   EXPECT_EQ(tracked.state, TrackingState::kTracking);
   EXPECT_FALSE(tracked.covariance);
@@ -339,7 +339,7 @@ TEST_F(TrackerTest, ResidualGateResumesWhenTheConstraintHoldsAgain) {
 
 TEST_F(TrackerTest, ResidualGateRefusesAStartThatExplainsTooLittle) {
   auto tracker = make({residual(1.0, 1.0, 0.31)}, TrackingGate::kResidual);
-  const auto refused = tracker.start_at(*frame(milliseconds(0)), at(0.0));
+  const auto refused = tracker.start_at(frame(milliseconds(0)), at(0.0));
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, HasSubstr("31 %"));
 }
