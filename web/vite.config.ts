@@ -7,7 +7,12 @@ import { offlineViewer } from './viewer/vite_plugin';
 const server = 'http://127.0.0.1:8080';
 
 export default defineConfig({
-  build: { target: 'es2022', assetsInlineLimit: 0 },
+  build: {
+    target: 'es2022',
+    assetsInlineLimit: 0,
+    chunkSizeWarningLimit: 700,
+    rollupOptions: { input: ['index.html', 'prepare.html'] },
+  },
   plugins: [offlineViewer()],
   server: { host: '127.0.0.1', proxy: { '/api': server, '/whep': server } },
   test: { include: ['tests/unit/**/*.test.ts'] },

@@ -1,8 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
@@ -11,9 +15,12 @@
 #include "morgagni/core/files.h"
 #include "morgagni/core/image_png.h"
 #include "morgagni/core/progress.h"
+#include "morgagni/session/skin_check.h"
 
 #include "commands.h"
 #include "exit.h"
+#include "options.h"
+#include "stop_signals.h"
 
 namespace mor {
 namespace {
@@ -26,6 +33,10 @@ struct Arguments {
   std::filesystem::path folder;
   std::filesystem::path preview;
   bool list_series = false;
+  bool check = false;
+  std::vector<std::string> keep;
+  std::vector<std::string> cut;
+  SkinCheckOptions page;
   PrepareOptions options;
 };
 
@@ -68,9 +79,7 @@ void preview(const Arguments& arguments) {
              arguments.preview.string());
 }
 
-void prepare(const Arguments& arguments) {
-  const auto summary = value_or_exit(
-      prepare_case(arguments.ct, arguments.folder, arguments.options, console_progress()));
+void print_summary(const Arguments& arguments, const PrepareSummary& summary) {
   fmt::print(
       "{}: skin of {} vertices (from {}), bones of {} triangles; read in {:.1f} s, prepared in "
       "{:.1f} s\n",
@@ -85,10 +94,67 @@ void prepare(const Arguments& arguments) {
     fmt::print("structures: bone, {}\n", fmt::join(summary.structure_names, ", "));
 }
 
+void prepare(const Arguments& arguments) {
+  print_summary(arguments,
+                value_or_exit(prepare_case(
+                    arguments.ct, arguments.folder, arguments.options, console_progress())));
+}
+
+/// The skin is looked at and corrected on a page before the case is made.
+void check(Arguments& arguments) {
+  value_or_exit(arguments.options.check());
+  value_or_exit(check_case_folder(arguments.folder));
+  const StopSignals signals;
+  const auto started = std::chrono::steady_clock::now();
+  const auto volume = std::make_shared<const Volume>(
+      value_or_exit(import_volume(arguments.ct, arguments.options.ct, console_progress())));
+  const std::chrono::duration<double> reading = std::chrono::steady_clock::now() - started;
+  const auto use = [&](const PrepareOptions& options, const Progress& progress) {
+    return prepare_case(*volume, arguments.ct, arguments.folder, options, progress);
+  };
+  auto& page = arguments.page;
+  page.title = arguments.folder.string();
+  page.prepare = arguments.options;
+  if (page.server.web_root.empty()) page.server.web_root = default_web_root();
+  const auto session = value_or_exit(SkinCheck::start(volume, use, page));
+  fmt::print("Check the skin at http://127.0.0.1:{}/prepare.html  (Ctrl-C: nothing is made)\n",
+             session->port());
+  std::fflush(stdout);
+  auto summary = session->wait(signals.token());
+  if (!summary) {
+    fmt::print("nothing was made\n");
+    throw CLI::RuntimeError(kExitFailure);
+  }
+  summary->reading_seconds = reading.count();
+  print_summary(arguments, *summary);
+}
+
+Eigen::Vector3d place_option(const std::string& name, const std::string& text) {
+  Eigen::Vector3d place;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &place.x(), &place.y(), &place.z(), &rest) == 3)
+    return place;
+  return value_or_exit(Result<Eigen::Vector3d>(
+      make_error(ErrorCode::kInvalidArgument,
+                 fmt::format("{} must be X,Y,Z in mm (LPS), got \"{}\"", name, text))));
+}
+
+void run(Arguments& arguments, bool has_folder) {
+  auto& skin = arguments.options.skin;
+  for (const auto& text : arguments.keep) skin.keep_mm.push_back(place_option("--keep", text));
+  for (const auto& text : arguments.cut) skin.cut_mm.push_back(place_option("--cut", text));
+  if (arguments.list_series) return list_series(arguments.ct);
+  if (!arguments.preview.empty()) return preview(arguments);
+  if (!has_folder) throw CLI::RequiredError("--case");
+  if (arguments.check) return check(arguments);
+  prepare(arguments);
+}
+
 }  // namespace
 
 void add_prepare_command(CLI::App& app) {
   auto arguments = std::make_shared<Arguments>();
+  arguments->page.server.port = 0;
   auto* command =
       app.add_subcommand("prepare", "Make a case from a CT: skin, bones, distance field");
   command
@@ -132,6 +198,28 @@ void add_prepare_command(CLI::App& app) {
   command->add_option("--preview",
                       arguments->preview,
                       "Only draw what would be taken for the body into this PNG, and stop");
+  command->add_flag("--check",
+                    arguments->check,
+                    "First show on a page what would be taken for the body, to correct it there");
+  command->add_option("--port", arguments->page.server.port, "--check: on 127.0.0.1; 0: a free one")
+      ->capture_default_str();
+  command->add_option("--web", arguments->page.server.web_root, "--check: the built page")
+      ->type_name("DIR");
+  command
+      ->add_option("--keep",
+                   arguments->keep,
+                   "A place (X,Y,Z in mm, LPS) in something that would be cut off and is kept, for "
+                   "instance an arm beside the trunk; may be given several times")
+      ->expected(1)
+      ->take_all();
+  command
+      ->add_option(
+          "--cut",
+          arguments->cut,
+          "A place in something that stands out from the body and is cut off, for instance "
+          "a tube; may be given several times")
+      ->expected(1)
+      ->take_all();
   auto& skin = arguments->options.skin;
   auto& bone = arguments->options.bone;
   command->add_option("--vertices", skin.num_vertices, "Vertices of the remeshed skin")
@@ -154,18 +242,14 @@ void add_prepare_command(CLI::App& app) {
       "Examples:\n"
       "  morgagni prepare /media/cd/DICOM --list-series\n"
       "  morgagni prepare /media/cd/DICOM --series 2 --case cases/0815\n"
+      "  morgagni prepare /media/cd/DICOM --case cases/0815 --check\n"
       "  morgagni prepare head.nii.gz --preview body.png --threshold-hu -250\n"
       "  morgagni prepare chest.nii.gz --case cases/chest --labels organs.nii.gz "
       "--total-segmentator\n"
       "  morgagni prepare head.nii.gz --case cases/head --structure bullet.stl "
       "--structure-frame ras\n"
       "  morgagni prepare head.nii.gz --case cases/head --threshold-hu -250");
-  command->callback([arguments, folder] {
-    if (arguments->list_series) return list_series(arguments->ct);
-    if (!arguments->preview.empty()) return preview(*arguments);
-    if (folder->count() == 0) throw CLI::RequiredError("--case");
-    prepare(*arguments);
-  });
+  command->callback([arguments, folder] { run(*arguments, folder->count() > 0); });
 }
 
 }  // namespace mor

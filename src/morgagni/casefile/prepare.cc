@@ -5,7 +5,6 @@
 #include <chrono>
 #include <map>
 #include <optional>
-#include <set>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -13,6 +12,7 @@
 
 #include "morgagni/casefile/case.h"
 #include "morgagni/casefile/internal/case_format.h"
+#include "morgagni/casefile/internal/structures.h"
 #include "morgagni/casefile/kept_folders.h"
 #include "morgagni/core/files.h"
 #include "morgagni/core/folder_lock.h"
@@ -31,7 +31,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMaxStructures = 200;  ///< As many as load_case() takes.
 const Eigen::Vector3d kBoneColor(0.93, 0.89, 0.78);
 
 double seconds_between(Clock::time_point start, Clock::time_point end) {
@@ -40,6 +39,12 @@ double seconds_between(Clock::time_point start, Clock::time_point end) {
 
 Json to_json(const Eigen::Vector3d& v) {
   return {v.x(), v.y(), v.z()};
+}
+
+Json to_json(const std::vector<Eigen::Vector3d>& places) {
+  Json list = Json::array();
+  for (const auto& place : places) list.push_back(to_json(place));
+  return list;
 }
 
 Json to_json(const PrepareOptions& options) {
@@ -51,7 +56,9 @@ Json to_json(const PrepareOptions& options) {
             {"closing_mm", skin.closing_mm},
             {"num_vertices", skin.num_vertices},
             {"sub_sampling", skin.sub_sampling},
-            {"gradation", skin.gradation}}},
+            {"gradation", skin.gradation},
+            {"keep_mm", to_json(skin.keep_mm)},
+            {"cut_mm", to_json(skin.cut_mm)}}},
           {"bone",
            {{"threshold_hu", bone.threshold_hu},
             {"min_component_mm3", bone.min_component_mm3},
@@ -162,100 +169,6 @@ Json to_json(const std::vector<CutPart>& parts) {
   return list;
 }
 
-Eigen::AlignedBox3d box_of(const Volume& grid) {
-  Eigen::AlignedBox3d box;
-  for (int corner = 0; corner < 8; ++corner) {
-    Eigen::Vector3d place;
-    for (int axis = 0; axis < 3; ++axis)
-      place[axis] = (corner >> axis & 1) * (grid.size[static_cast<std::size_t>(axis)] - 1) *
-                    grid.spacing_mm[axis];
-    box.extend(grid.ct_from_grid * place);
-  }
-  return box;
-}
-
-/// No structure of another body: it has to lie where the CT lies.
-Result<void> check_place(const Eigen::AlignedBox3d& box,
-                         const Volume& volume,
-                         const fs::path& path,
-                         const char* otherwise) {
-  constexpr double kLeastShare = 0.5;
-  const auto common = box.intersection(box_of(volume));
-  // A flat structure has no volume, but lies somewhere too.
-  const Eigen::Vector3d sizes = box.sizes().cwiseMax(1e-3);
-  if (!common.isEmpty() && common.sizes().cwiseMax(1e-3).prod() >= kLeastShare * sizes.prod())
-    return {};
-  return make_error(
-      ErrorCode::kInvalidArgument,
-      fmt::format("{} lies elsewhere in space than the CT: {}", path.string(), otherwise));
-}
-
-/// Structures from files, each name once.
-class GivenStructures {
- public:
-  GivenStructures(const Volume& volume, std::vector<StructureSurface> found)
-      : volume_(volume), all_(std::move(found)) {
-    for (const auto& structure : all_) names_.insert(structure.name);
-  }
-
-  Result<void> add_label_map(const fs::path& path,
-                             const PrepareOptions& options,
-                             const Progress& progress) {
-    MOR_TRY(LabelMap labels, import_label_map(path, progress));
-    MOR_CHECK(check_place(box_of(labels.voxels), volume_, path, "it was made from another scan"));
-    if (labels.names.empty() && options.total_segmentator) labels.names = total_segmentator_names();
-    auto surfaces = extract_labels(labels, options.labels, progress);
-    if (!surfaces)
-      return make_error(surfaces.error().code, path.string() + ": " + surfaces.error().message);
-    for (auto& surface : *surfaces) add(std::move(surface));
-    return {};
-  }
-
-  Result<void> add_mesh(const fs::path& path,
-                        const PrepareOptions& options,
-                        const Progress& progress) {
-    MOR_TRY(auto surface, import_structure_mesh(path, options.mesh, progress));
-    MOR_CHECK(check_place(surface.mesh.bounds().cast<double>(),
-                          volume_,
-                          path,
-                          "it is of another scan, in RAS (--structure-frame ras), or not in mm"));
-    add(std::move(surface));
-    return {};
-  }
-
-  Result<std::vector<StructureSurface>> take() {
-    if (all_.size() < kMaxStructures) return std::move(all_);
-    return make_error(
-        ErrorCode::kInvalidArgument,
-        fmt::format(
-            "there are {} structures, a case takes up to {}", all_.size(), kMaxStructures - 1));
-  }
-
- private:
-  void add(StructureSurface surface) {
-    const std::string name = surface.name;
-    for (int i = 2; !names_.insert(surface.name).second; ++i)
-      surface.name = fmt::format("{} {}", name, i);
-    all_.push_back(std::move(surface));
-  }
-
-  const Volume& volume_;
-  std::vector<StructureSurface> all_;
-  std::set<std::string> names_ = {"bone", "skin"};
-};
-
-Result<std::vector<StructureSurface>> all_structures(const Volume& volume,
-                                                     const Volume& body,
-                                                     const PrepareOptions& options,
-                                                     const Progress& progress) {
-  MOR_TRY(auto found, extract_automatic_structures(body, options.automatic, progress));
-  GivenStructures given(volume, std::move(found));
-  for (const auto& path : options.label_maps)
-    MOR_CHECK(given.add_label_map(path, options, progress));
-  for (const auto& path : options.meshes) MOR_CHECK(given.add_mesh(path, options, progress));
-  return given.take();
-}
-
 struct Prepared {
   TriangleMesh skin;
   TriangleMesh bone;
@@ -288,39 +201,41 @@ Result<void> write_case(const fs::path& folder, const Prepared& prepared, Json& 
   return write_file(folder / kCaseFile, document.dump(2) + "\n");
 }
 
-}  // namespace
-
-Result<PrepareSummary> prepare_case(const fs::path& ct,
-                                    const fs::path& folder,
-                                    const PrepareOptions& options,
-                                    const Progress& progress) {
-  MOR_CHECK(options.skin.check());
-  MOR_CHECK(options.bone.check());
-  MOR_CHECK(options.labels.check());
-  MOR_CHECK(options.mesh.check());
-  MOR_CHECK(options.automatic.check());
-  MOR_CHECK(check_target(folder));
-  MOR_TRY(const auto lock, lock_case(folder));
-
-  const auto started = Clock::now();
-  MOR_TRY(const Volume volume, import_volume(ct, options.ct, progress));
-  const auto read = Clock::now();
-  const Json ct_identity = identity(volume, ct);
-  MOR_CHECK(check_kept(folder, ct_identity));
-
+/// Surfaces and voxels of the CT: all that a case holds.
+Result<Prepared> made_of(const Volume& volume,
+                         const PrepareOptions& options,
+                         const Progress& progress,
+                         PrepareSummary& summary) {
+  Prepared prepared;
   MOR_TRY(auto skin, extract_skin(volume, options.skin, progress));
-  MOR_TRY(auto bone, extract_bone(skin.body, options.bone, progress));
-  MOR_TRY(auto structures, all_structures(volume, skin.body, options, progress));
+  MOR_TRY(prepared.bone, extract_bone(skin.body, options.bone, progress));
+  MOR_TRY(prepared.structures, internal::all_structures(volume, skin.body, options, progress));
   progress("distance field", 0.0);
-  MOR_TRY(auto field, DistanceField::build(skin.remeshed));
+  MOR_TRY(prepared.field, DistanceField::build(skin.remeshed));
   progress("distance field", 1.0);
-
-  PrepareSummary summary;
   summary.num_skin_vertices = skin.remeshed.vertices.size();
   summary.num_full_skin_vertices = skin.full.vertices.size();
-  summary.num_bone_triangles = bone.triangles.size();
+  summary.num_bone_triangles = prepared.bone.triangles.size();
   summary.cut = skin.preview.cut;
-  for (const auto& structure : structures) summary.structure_names.push_back(structure.name);
+  for (const auto& structure : prepared.structures)
+    summary.structure_names.push_back(structure.name);
+  prepared.skin = std::move(skin.remeshed);
+  prepared.preview = encode_png(skin.preview.picture.view());
+  prepared.body = std::move(skin.body);
+  return prepared;
+}
+
+/// The case in its folder, which the caller has locked.
+Result<PrepareSummary> prepare_locked(const Volume& volume,
+                                      const fs::path& source,
+                                      const fs::path& folder,
+                                      const PrepareOptions& options,
+                                      const Progress& progress) {
+  const auto started = Clock::now();
+  const Json ct_identity = identity(volume, source);
+  MOR_CHECK(check_kept(folder, ct_identity));
+  PrepareSummary summary;
+  MOR_TRY(const Prepared prepared, made_of(volume, options, progress, summary));
 
   progress("write case", 0.0);
   MOR_TRY(auto pending, PendingFolder::create(folder));
@@ -331,24 +246,57 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
       {"made_at", utc_text()},
       {"ct", ct_identity},
       {"options", to_json(options)},
-      {"cut", to_json(skin.preview.cut)}};
-  MOR_CHECK(write_case(pending.path(),
-                       {std::move(skin.remeshed),
-                        std::move(bone),
-                        std::move(structures),
-                        std::move(field),
-                        encode_png(skin.preview.picture.view()),
-                        std::move(skin.body)},
-                       document));
+      {"cut", to_json(summary.cut)}};
+  MOR_CHECK(write_case(pending.path(), prepared, document));
   progress("write case", 0.8);
   MOR_CHECK(carry_over_kept_folders(folder, pending.path()));
   progress("write case", 0.9);
   MOR_CHECK(pending.commit());
   progress("write case", 1.0);
-
-  summary.reading_seconds = seconds_between(started, read);
-  summary.seconds = seconds_between(read, Clock::now());
+  summary.seconds = seconds_between(started, Clock::now());
   return summary;
+}
+
+}  // namespace
+
+Result<void> PrepareOptions::check() const {
+  MOR_CHECK(skin.check());
+  MOR_CHECK(bone.check());
+  MOR_CHECK(labels.check());
+  MOR_CHECK(mesh.check());
+  return automatic.check();
+}
+
+Result<void> check_case_folder(const fs::path& folder) {
+  MOR_CHECK(check_target(folder));
+  MOR_TRY(const auto lock, lock_case(folder));
+  return {};
+}
+
+Result<PrepareSummary> prepare_case(const fs::path& ct,
+                                    const fs::path& folder,
+                                    const PrepareOptions& options,
+                                    const Progress& progress) {
+  MOR_CHECK(options.check());
+  MOR_CHECK(check_target(folder));
+  MOR_TRY(const auto lock, lock_case(folder));
+  const auto started = Clock::now();
+  MOR_TRY(const Volume volume, import_volume(ct, options.ct, progress));
+  const double reading_seconds = seconds_between(started, Clock::now());
+  MOR_TRY(auto summary, prepare_locked(volume, ct, folder, options, progress));
+  summary.reading_seconds = reading_seconds;
+  return summary;
+}
+
+Result<PrepareSummary> prepare_case(const Volume& volume,
+                                    const fs::path& source,
+                                    const fs::path& folder,
+                                    const PrepareOptions& options,
+                                    const Progress& progress) {
+  MOR_CHECK(options.check());
+  MOR_CHECK(check_target(folder));
+  MOR_TRY(const auto lock, lock_case(folder));
+  return prepare_locked(volume, source, folder, options, progress);
 }
 
 }  // namespace mor

@@ -26,6 +26,8 @@ struct PrepareOptions {
   AutomaticStructureOptions automatic;
   SkinOptions skin;
   BoneOptions bone;
+
+  [[nodiscard]] Result<void> check() const;
 };
 
 /// What a preparation made, in numbers for people.
@@ -39,6 +41,10 @@ struct PrepareSummary {
   double reading_seconds = 0.0;
 };
 
+/// Whether a case may be made at this place: there is none, or a case that nobody uses.
+/// @errors As prepare_case().
+[[nodiscard]] Result<void> check_case_folder(const std::filesystem::path& folder);
+
 /// From a CT to a case: imports it, takes skin, bone and distance field, and writes the case
 /// folder.
 ///
@@ -51,6 +57,14 @@ struct PrepareSummary {
 /// @errors As import_volume and extract_skin; kInvalidArgument: `folder` exists and is no case,
 /// is in use, or holds what people made on another CT; kIo.
 [[nodiscard]] Result<PrepareSummary> prepare_case(const std::filesystem::path& ct,
+                                                  const std::filesystem::path& folder,
+                                                  const PrepareOptions& options,
+                                                  const Progress& progress);
+
+/// The same of a CT that was imported before.
+/// @param source  Where it came from, for the case's record.
+[[nodiscard]] Result<PrepareSummary> prepare_case(const Volume& volume,
+                                                  const std::filesystem::path& source,
                                                   const std::filesystem::path& folder,
                                                   const PrepareOptions& options,
                                                   const Progress& progress);

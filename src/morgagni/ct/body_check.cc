@@ -105,6 +105,11 @@ const std::vector<BodyPart>& BodyCheck::parts() const {
   return found_ ? found_->parts : kNone;
 }
 
+bool BodyCheck::holds(std::size_t part, const Eigen::Vector3d& mark_mm) const {
+  return found_ && part < found_->voxels.size() &&
+         internal::is_near(found_->voxels[part], mark_mm, coarse_);
+}
+
 double BodyCheck::body_ml() const {
   if (!found_) return 0.0;
   return static_cast<double>(found_->mask.body.count()) * coarse_.spacing_mm.prod() / 1000.0;
@@ -112,6 +117,11 @@ double BodyCheck::body_ml() const {
 
 Eigen::Vector3d BodyCheck::size_mm(BodyPlane plane) const {
   return internal::SliceFrame(*volume_, plane).size_mm();
+}
+
+double BodyCheck::position(BodyPlane plane, const Eigen::Vector3d& place_mm) const {
+  return internal::SliceFrame(*volume_, plane)
+      .share_through(volume_->ct_from_grid.inverse() * place_mm);
 }
 
 Image<Rgb8> BodyCheck::slice(BodyPlane plane, double position, int height_px) const {

@@ -41,10 +41,14 @@ class BodyCheck {
 
   /// Of 1 ml and more; what is cut first, then what stands out, the largest first.
   [[nodiscard]] const std::vector<BodyPart>& parts() const;
+  /// Whether a mark names this part.
+  [[nodiscard]] bool holds(std::size_t part, const Eigen::Vector3d& mark_mm) const;
   [[nodiscard]] double body_ml() const;
 
   /// The CT's size across a plane's picture, to the right and down, and through it.
   [[nodiscard]] Eigen::Vector3d size_mm(BodyPlane plane) const;
+  /// The slice that a place lies in, as slice() counts them. @param place_mm  Frame ct.
+  [[nodiscard]] double position(BodyPlane plane, const Eigen::Vector3d& place_mm) const;
   /// One slice as radiologists hang it: the patient's right, or front, is on the left. The skin has
   /// a green outline, cut parts have their colours.
   /// @param position  0..1: feet to head, front to back, right to left.

@@ -94,15 +94,16 @@ Rgb8 color_of(const CheckedBody& body,
   return tinted(grey, part != nullptr ? part->color : kLoose, kCutTint);
 }
 
+/// Two pixels wide: one on either side.
 void draw_outline(const Image<char>& inside, Image<Rgb8>& picture) {
   const auto is_inside = [&](int x, int y) {
     return inside(std::clamp(x, 0, inside.width() - 1), std::clamp(y, 0, inside.height() - 1)) != 0;
   };
   for (int y = 0; y < picture.height(); ++y) {
     for (int x = 0; x < picture.width(); ++x) {
-      if (!is_inside(x, y)) continue;
-      if (!is_inside(x - 1, y) || !is_inside(x + 1, y) || !is_inside(x, y - 1) ||
-          !is_inside(x, y + 1))
+      const bool here = is_inside(x, y);
+      if (is_inside(x - 1, y) != here || is_inside(x + 1, y) != here ||
+          is_inside(x, y - 1) != here || is_inside(x, y + 1) != here)
         picture(x, y) = kOutline;
     }
   }
@@ -138,6 +139,12 @@ Eigen::Vector3d SliceFrame::grid_mm(const Eigen::Vector3d& shares) const {
                       0.5 * spacing_mm_[axis_[i]];
   }
   return place;
+}
+
+double SliceFrame::share_through(const Eigen::Vector3d& grid_mm) const {
+  const int axis = axis_[2];
+  const double share = (grid_mm[axis] + 0.5 * spacing_mm_[axis]) / size_mm_.z();
+  return std::clamp(flipped_[2] ? 1.0 - share : share, 0.0, 1.0);
 }
 
 Image<Rgb8> draw_check_slice(const Volume& volume,

@@ -25,6 +25,8 @@ class SliceFrame {
   /// @param shares  0..1 across, down and through.
   /// @return mm of the grid, as in `ct_from_grid * mm`: the first voxel's centre is the origin.
   [[nodiscard]] Eigen::Vector3d grid_mm(const Eigen::Vector3d& shares) const;
+  /// How far through the CT a place lies, 0..1. @param grid_mm  As above.
+  [[nodiscard]] double share_through(const Eigen::Vector3d& grid_mm) const;
 
  private:
   std::array<int, 3> axis_{};

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+import { h } from '../dom';
+import type { Check, Decision, Part } from './api';
+import { placeText, sizeText } from './part_text';
+
+/** What was cut off and what stands out, with a switch each. */
+export class PartsList {
+  readonly element = h('div', { class: 'parts' });
+  private version = -1;
+
+  constructor(private readonly onDecision: (decision: Decision) => void,
+    private readonly onLook: (part: Part) => void) {}
+
+  show(check: Check): void {
+    if (check.version === this.version) return;
+    this.version = check.version;
+    const rows = check.parts.map((part, i) => ({ part, row: this.row(part, i) }));
+    const group = (title: string, tip: string, stands_out: boolean): HTMLElement[] => {
+      const some = rows.filter(({ part }) => part.stands_out === stands_out).map(({ row }) => row);
+      return [h('h2', {}, title), ...(some.length > 0 ? some : [h('p', { class: 'tip' }, tip)])];
+    };
+    const focus = document.activeElement?.getAttribute('data-part');
+    this.element.replaceChildren(
+      ...group('Cut off', 'Nothing of 1 ml or more lies beside the body.', false),
+      ...group('Standing out, kept', 'Nothing stands out from the body.', true));
+    if (focus) this.element.querySelector<HTMLElement>(`[data-part="${focus}"]`)?.focus();
+  }
+
+  /** One decision at a time: the list may be another one after it. */
+  enable(on: boolean): void {
+    for (const key of this.element.querySelectorAll<HTMLButtonElement>('.switch')) key.disabled = !on;
+  }
+
+  private row(part: Part, index: number): HTMLElement {
+    const word = part.kept ? 'Kept' : 'Cut';
+    const key = h('button', {
+      type: 'button', class: `switch ${part.kept ? 'on' : ''}`, role: 'switch', 'data-part': index,
+      'aria-checked': String(part.kept), 'aria-label': `Keep what is ${placeText(part).toLowerCase()}`,
+      onclick: () => {
+        this.enable(false);
+        this.onDecision({ part: index, keep: !part.kept, version: this.version });
+      },
+    }, h('span', { class: 'knob' }), h('span', { class: 'word' }, word));
+    const look = h('button', { type: 'button', class: 'what', title: 'Show the slices through it',
+      onclick: () => this.onLook(part) }, h('b', {}, placeText(part)), h('span', {}, sizeText(part)));
+    const row = h('div', { class: 'part' }, h('span', { class: 'swatch' }), look, key);
+    row.style.setProperty('--color', part.color);
+    return row;
+  }
+}
