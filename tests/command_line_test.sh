@@ -27,7 +27,7 @@ expect() {
 expect 0 "Example, from a CT to a live picture" --help
 expect 0 "Not a medical device" --help
 expect 0 "morgagni 0." --version
-for command in prepare serve record document evaluate doctor; do
+for command in prepare serve record document evaluate pacs doctor; do
   expect 0 "morgagni $command" "$command" --help
 done
 expect 0 "OpenCL (--device of the icp methods)" doctor
@@ -40,6 +40,25 @@ expect 0 "morgagni evaluate recording" evaluate recording --help
 expect 0 "morgagni evaluate bound" evaluate bound --help
 expect 0 "morgagni evaluate starts" evaluate starts --help
 expect 0 "morgagni evaluate studies" evaluate studies --help
+expect 0 "morgagni pacs query" pacs query --help
+expect 0 "morgagni pacs get" pacs get --help
+expect 0 "morgagni pacs serve" pacs serve --help
+expect 2 "subcommand is required" pacs
+expect 2 "--out" pacs get https://pacs.example/dicom-web
+expect 2 "--by" pacs get dicom://A@b --out "$scratch/ct" --by post
+expect 2 "--max-object-mb" pacs get dicom://A@b --out "$scratch/ct" --max-object-mb 0
+expect 1 "not a way to a PACS" pacs query ftp://pacs.example
+expect 1 "AE title of the PACS is missing" pacs query dicom://pacs.example:104
+expect 1 "1 to 16" pacs query dicom://A@pacs.example --aet "MORGAGNI AT THE INSTITUTE"
+expect 1 "a user goes to --user" pacs query https://anna:geheim@pacs.example/dicom-web
+expect 1 "--date is" pacs query dicom://A@127.0.0.1:1 --date 31.01.2026
+expect 1 "--study is a UID" pacs query dicom://A@127.0.0.1:1 --study ../../etc
+expect 1 "nowhere.txt" pacs query http://127.0.0.1:1/x --user anna --password-file "$scratch/nowhere.txt"
+expect 1 "belong together" pacs query dicoms://A@127.0.0.1:1 --ca x.pem --key my.key
+expect 1 "refused" pacs query dicom://A@127.0.0.1:1
+expect 1 "cannot listen on 203.0.113.1" pacs serve --cases "$scratch/received" --listen 203.0.113.1
+expect 1 "not an address in numbers" pacs serve --cases "$scratch/received" --listen localhost
+expect 1 "--max-associations must be 1 to 64" pacs serve --cases "$scratch/received" --max-associations 0
 expect 2 "subcommand is required"
 expect 2 "subcommand is required" evaluate
 expect 2 "--case" prepare ct.nii

@@ -21,6 +21,7 @@ const Layers& layers() {
                                  {"depth", 2},
                                  {"render", 2},
                                  {"stream", 2},
+                                 {"pacs", 2},
                                  {"registration", 2},
                                  {"tracking", 3},
                                  {"documentation", 3},

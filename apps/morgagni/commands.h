@@ -16,5 +16,6 @@ void add_record_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
 void add_document_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
+void add_pacs_command(CLI::App& app);
 
 }  // namespace mor
