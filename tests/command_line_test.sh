@@ -46,6 +46,7 @@ expect 0 "morgagni pacs serve" pacs serve --help
 expect 2 "subcommand is required" pacs
 expect 2 "--out" pacs get https://pacs.example/dicom-web
 expect 2 "--by" pacs get dicom://A@b --out "$scratch/ct" --by post
+expect 2 "--tries" pacs get dicom://A@b --out "$scratch/ct" --tries 0
 expect 2 "--max-object-mb" pacs get dicom://A@b --out "$scratch/ct" --max-object-mb 0
 expect 1 "not a way to a PACS" pacs query ftp://pacs.example
 expect 1 "AE title of the PACS is missing" pacs query dicom://pacs.example:104

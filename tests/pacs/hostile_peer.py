@@ -148,6 +148,10 @@ class HostileDicom:
             connection.sendall(pdu(2, request[:68] + item(0x10, b"1.2.840.10008.3.1.1.1") + contexts + user))
             read_pdu(connection)
             self.answer(connection, first)
+            # Closed at once, what was said could be lost with what was not heard.
+            connection.settimeout(20)
+            while connection.recv(65536):
+                pass
         except OSError:
             pass
         finally:

@@ -33,6 +33,7 @@ struct Arguments {
   fs::path out;
   fs::path case_folder;
   Way way = Way::kGet;
+  DownloadOptions download;
 };
 
 /// One line, redrawn; on no terminal only its last state.
@@ -132,7 +133,7 @@ void get(const Arguments& arguments) {
       *peer,
       series,
       arguments.out,
-      {},
+      arguments.download,
       [&bar](const DownloadProgress& progress) { bar.show(progress); },
       stop);
   if (!fetched) {
@@ -188,6 +189,12 @@ void add_pacs_get_command(CLI::App& pacs) {
       ->capture_default_str();
   command->add_option("--listen-port", options.listen_port, "--by move: its port")
       ->capture_default_str();
+  command
+      ->add_option("--tries",
+                   arguments->download.max_failures,
+                   "So many failures in a row without an object end it")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
   add_size_options(*command, options.max_object_bytes, options.min_free_bytes);
   command->footer(
       "Examples:\n"
