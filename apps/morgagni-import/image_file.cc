@@ -3,22 +3,17 @@
 #include "image_file.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <fstream>
-#include <memory>
 #include <span>
-#include <sstream>
 #include <string>
 #include <system_error>
 
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
-#include <zlib.h>
 
+#include "image_heads.h"
 #include "inflate.h"
 #include "label_names.h"
 #include "messages.h"
@@ -27,135 +22,17 @@
 namespace mor::import {
 namespace {
 
-bool ends_with(const std::string& text, std::string_view end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char letter) {
-    return static_cast<char>(std::tolower(letter));
-  });
-  return text;
-}
-
-bool is_meta_image(const std::string& name) {
-  return ends_with(lower_case(name), ".mha") || ends_with(lower_case(name), ".mhd");
-}
-
-/// ITK takes a MetaImage that is cut short without a word, so its length is checked here.
-Result<void> check_meta_length(const std::filesystem::path& path, std::uintmax_t num_bytes) {
-  std::ifstream file(path, std::ios::binary);
-  std::string data_file;
-  for (std::string line; data_file.empty() && std::getline(file, line);) {
-    const auto equals = line.find('=');
-    if (equals == std::string::npos) break;
-    std::string key;
-    std::string value;
-    std::istringstream(line.substr(0, equals)) >> key;
-    std::istringstream(line.substr(equals + 1)) >> value;
-    if (key == "CompressedData" && lower_case(value) == "true") num_bytes = 0;
-    if (key == "CompressedDataSize") num_bytes = std::strtoull(value.c_str(), nullptr, 10);
-    if (key == "ElementDataFile") data_file = value;
+itk::ImageIOBase::Pointer make_image_io(ImageFormat format) {
+  switch (format) {
+    case ImageFormat::kNifti:
+      return itk::NiftiImageIO::New().GetPointer();
+    case ImageFormat::kNrrd:
+      return itk::NrrdImageIO::New().GetPointer();
+    case ImageFormat::kMetaImage:
+      return itk::MetaImageIO::New().GetPointer();
+    case ImageFormat::kNone:
+      break;
   }
-  if (data_file == "LIST" || data_file.find('%') != std::string::npos) return {};
-  std::error_code failure;
-  std::uintmax_t left = 0;
-  if (data_file == "LOCAL") {
-    left = std::filesystem::file_size(path, failure) - static_cast<std::uintmax_t>(file.tellg());
-  } else {
-    left = std::filesystem::file_size(path.parent_path() / data_file, failure);
-  }
-  if (!failure && left >= num_bytes) return {};
-  return make_error(ErrorCode::kIo,
-                    path.filename().string() + " is cut short: " + std::to_string(num_bytes) +
-                        " bytes of voxels are announced, " + std::to_string(failure ? 0 : left) +
-                        " are there");
-}
-
-/// Without the magic it would be an ANALYZE file, which says nothing about left and right.
-bool is_nifti_head(std::span<const char> bytes) {
-  constexpr std::size_t kMagic1At = 344;
-  constexpr std::size_t kMagic2At = 4;
-  if (bytes.size() < kMagic1At + 4) return false;
-  const auto is_at = [&](std::size_t at, std::string_view magic) {
-    return std::string_view(bytes.data() + at, magic.size()) == magic;
-  };
-  const auto begins = [&](unsigned char low, unsigned char high) {
-    const auto at = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
-    return (at(0) == low && at(1) == high && at(2) == 0 && at(3) == 0) ||
-           (at(3) == low && at(2) == high && at(1) == 0 && at(0) == 0);
-  };
-  if (begins(0x5c, 0x01)) return is_at(kMagic1At, "n+1") || is_at(kMagic1At, "ni1");
-  return begins(0x1c, 0x02) && (is_at(kMagic2At, "n+2") || is_at(kMagic2At, "ni2"));
-}
-
-/// ITK fills up a NIfTI that is cut short without a word too: all of it is read through once.
-/// @param num_voxels  That the header announces.
-Result<void> check_nifti_length(const std::filesystem::path& path, std::uintmax_t num_voxels) {
-  constexpr std::size_t kHeaderBytes = 348;
-  constexpr std::size_t kBitsPerVoxelAt = 72;
-  constexpr std::size_t kVoxelsStartAt = 108;
-  // zlib reads files that are not compressed as they are.
-  const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(::gzopen(path.c_str(), "rb"), ::gzclose);
-  std::vector<char> bytes(std::size_t{1} << 20);
-  std::uintmax_t num_bytes = 0;
-  std::uintmax_t num_wanted = num_voxels;
-  while (file) {
-    const int got = ::gzread(file.get(), bytes.data(), static_cast<unsigned>(bytes.size()));
-    if (got <= 0) break;
-    if (num_bytes == 0 && !is_nifti_head({bytes.data(), static_cast<std::size_t>(got)}))
-      return make_error(ErrorCode::kIo,
-                        path.filename().string() +
-                            " is no NIfTI file: its head is damaged, or of an older "
-                            "format that does not tell left from right");
-    std::int32_t header_bytes = 0;
-    std::memcpy(&header_bytes, bytes.data(), sizeof(header_bytes));
-    if (num_bytes == 0 && got >= static_cast<int>(kHeaderBytes) && header_bytes == kHeaderBytes) {
-      std::int16_t bits = 0;
-      float start = 0.0F;
-      std::memcpy(&bits, bytes.data() + kBitsPerVoxelAt, sizeof(bits));
-      std::memcpy(&start, bytes.data() + kVoxelsStartAt, sizeof(start));
-      if (bits > 0 && start >= 0.0F && start < 1e9F)
-        num_wanted =
-            num_voxels * static_cast<std::uintmax_t>(bits) / 8 + static_cast<std::uintmax_t>(start);
-    }
-    num_bytes += static_cast<std::uintmax_t>(got);
-  }
-  int failure = Z_OK;
-  if (file) ::gzerror(file.get(), &failure);
-  if (file && failure == Z_OK && num_bytes >= num_wanted) return {};
-  return make_error(ErrorCode::kIo,
-                    path.filename().string() +
-                        " is cut short or damaged: " + std::to_string(num_wanted) +
-                        " bytes are announced, " + std::to_string(num_bytes) + " can be read");
-}
-
-/// Teem ends the whole process over a NRRD of many dimensions: they are counted before it looks.
-Result<void> check_nrrd_dimensions(const std::filesystem::path& path) {
-  constexpr int kMaxLines = 200;
-  constexpr std::string_view kKey = "dimension:";
-  std::ifstream file(path, std::ios::binary);
-  std::string line;
-  for (int i = 0; i < kMaxLines && std::getline(file, line) && !line.empty(); ++i) {
-    if (!line.starts_with(kKey)) continue;
-    const long num_dimensions = std::strtol(line.c_str() + kKey.size(), nullptr, 10);
-    if (num_dimensions >= 2 && num_dimensions <= 4) return {};
-    return make_error(ErrorCode::kUnsupported,
-                      path.filename().string() + " has " + std::to_string(num_dimensions) +
-                          " dimensions, a CT has 3: give a volume");
-  }
-  return {};
-}
-
-/// The reader that the file's name asks for; none for other names.
-itk::ImageIOBase::Pointer make_image_io(const std::filesystem::path& path) {
-  const std::string name = lower_case(path.filename().string());
-  if (ends_with(name, ".nii") || ends_with(name, ".nii.gz"))
-    return itk::NiftiImageIO::New().GetPointer();
-  if (ends_with(name, ".nrrd") || ends_with(name, ".nhdr"))
-    return itk::NrrdImageIO::New().GetPointer();
-  if (ends_with(name, ".mha") || ends_with(name, ".mhd"))
-    return itk::MetaImageIO::New().GetPointer();
   return nullptr;
 }
 
@@ -282,24 +159,12 @@ Result<void> convert(itk::IOComponentEnum type,
 
 /// What the file announces must be possible with as many bytes as it has.
 Result<void> check_announced(const std::filesystem::path& path, std::uintmax_t num_bytes) {
-  const std::string name = lower_case(path.filename().string());
-  std::error_code failure;
-  const auto has = std::filesystem::file_size(path, failure);
-  const bool is_detached = ends_with(name, ".nhdr") || ends_with(name, ".mhd");
-  if (is_detached || (!failure && num_bytes <= max_inflated_bytes(has))) return {};
+  const auto has = bytes_for_voxels(path);
+  if (num_bytes <= max_inflated_bytes(has)) return {};
   return make_error(ErrorCode::kInvalidArgument,
                     path.filename().string() + " announces " + std::to_string(num_bytes) +
-                        " bytes of voxels, more than its " + std::to_string(failure ? 0 : has) +
+                        " bytes of voxels, more than its " + std::to_string(has) +
                         " bytes could hold");
-}
-
-Result<void> check_lengths(const std::filesystem::path& path, itk::ImageIOBase& io) {
-  const auto num_bytes = static_cast<std::uintmax_t>(io.GetImageSizeInBytes());
-  MOR_CHECK(check_announced(path, num_bytes));
-  if (is_meta_image(path.filename().string())) return check_meta_length(path, num_bytes);
-  if (dynamic_cast<const itk::NiftiImageIO*>(&io) != nullptr)
-    return check_nifti_length(path, static_cast<std::uintmax_t>(io.GetImageSizeInPixels()));
-  return {};
 }
 
 std::vector<std::byte> stored_voxels(itk::ImageIOBase& io) {
@@ -316,7 +181,8 @@ std::vector<std::byte> stored_voxels(itk::ImageIOBase& io) {
 
 Result<void> import_voxels(const std::filesystem::path& path, VoxelKind kind) {
   const std::string name = path.filename().string();
-  auto io = make_image_io(path);
+  const ImageFormat format = image_format_of(path);
+  auto io = make_image_io(format);
   if (!io) {
     return make_error(
         ErrorCode::kUnsupported,
@@ -325,18 +191,21 @@ Result<void> import_voxels(const std::filesystem::path& path, VoxelKind kind) {
             ".nii, .nii.gz, .nrrd, .nhdr, .mha or .mhd file");
   }
   say_file(path.string());
-  if (dynamic_cast<const itk::NrrdImageIO*>(io.GetPointer()) != nullptr)
-    MOR_CHECK(check_nrrd_dimensions(path));
+  MOR_CHECK(check_head(path, format));
   if (!io->CanReadFile(path.c_str()))
     return make_error(ErrorCode::kIo, name + " is damaged or not what its name says");
+  itk::Object::SetGlobalWarningDisplay(false);  // Nobody reads them.
   try {
     io->SetFileName(path.string());
     io->ReadImageInformation();
     MOR_CHECK(check_kind(*io, name));
     MOR_TRY(const ImportHeader header, header_of(*io, name));
-    MOR_CHECK(check_lengths(path, *io));
+    const auto num_bytes = static_cast<std::uintmax_t>(io->GetImageSizeInBytes());
+    MOR_CHECK(check_announced(path, num_bytes));
+    MOR_CHECK(check_length(
+        path, format, static_cast<std::uintmax_t>(io->GetImageSizeInPixels()), num_bytes));
     // The reader keeps a copy of its own while it reads.
-    allow_memory(2 * static_cast<std::uint64_t>(io->GetImageSizeInBytes()));
+    allow_memory(2 * num_bytes);
     say_progress(0.2);
     const auto voxels = stored_voxels(*io);
     const auto type = io->GetComponentType();

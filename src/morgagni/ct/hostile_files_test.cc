@@ -62,6 +62,12 @@ TEST_F(HostileFiles, MetaImages) {
       {"colour.mha",
        mha(size + "ElementNumberOfChannels = 3\nElementType = MET_UCHAR\n", 72),
        "colour"},
+      {"minus_dimensions.mha",
+       mha("NDims = -13\nDimSize = 4 3 2\n" + type),
+       "has -13 dimensions, a CT has 3"},
+      {"minus_with_colon.mha",
+       mha("NDims: -13\nDimSize = 4 3 2\n" + type),
+       "has -13 dimensions, a CT has 3"},
       {"thin.mha", mha("NDims = 3\nDimSize = 24 1 1\n" + type), "1 voxels along y"},
       {"zero.mha", mha("NDims = 3\nDimSize = 4 0 2\n" + type), "0 voxels along"},
       {"minus.mha", mha("NDims = 3\nDimSize = 4 -3 2\n" + type), "voxels along"},
@@ -135,6 +141,8 @@ struct NiftiText {
   std::int16_t bits = 16;
   std::array<float, 8> spacing = {1, 1, 1, 1, 0, 0, 0, 0};
   float voxels_at = 352;
+  std::int16_t sform_code = 0;
+  std::array<float, 12> sform = {};
   std::size_t num_voxel_bytes = 48;
   const char* magic = "n+1";
 
@@ -149,6 +157,8 @@ struct NiftiText {
     put(72, bits);
     put(76, spacing);
     put(108, voxels_at);
+    put(254, sform_code);
+    put(280, sform);
     std::memcpy(bytes.data() + 344, magic, 4);
     return bytes + std::string(num_voxel_bytes, 'v');
   }
@@ -167,6 +177,9 @@ TEST_F(HostileFiles, Niftis) {
       {"moving.nii", NiftiText{.dim = {4, 2, 3, 2, 2, 1, 1, 1}}.file(), "4 dimensions"},
       {"minus.nii", NiftiText{.dim = {3, 4, -3, 2, 1, 1, 1, 1}}.file(), "voxels along y"},
       {"zero.nii", NiftiText{.dim = {3, 4, 0, 2, 1, 1, 1, 1}}.file(), "voxels along y"},
+      {"nan_place.nii",
+       NiftiText{.sform_code = 1, .sform = {1, 0, 0, 0, 0, 1, NAN, 0, 0, 0, 1, 0}}.file(),
+       "a number that is not finite"},
       {"many.nii", NiftiText{.dim = {99, 4, 3, 2, 1, 1, 1, 1}}.file(), "nii"},
       {"huge.nii",
        NiftiText{.dim = {3, 32000, 32000, 32000, 1, 1, 1, 1}}.file(),
