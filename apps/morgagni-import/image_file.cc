@@ -192,6 +192,7 @@ Result<void> import_voxels(const std::filesystem::path& path, VoxelKind kind) {
   }
   say_file(path.string());
   MOR_CHECK(check_head(path, format));
+  limit_time_for(bytes_for_voxels(path));
   if (!io->CanReadFile(path.c_str()))
     return make_error(ErrorCode::kIo, name + " is damaged or not what its name says");
   itk::Object::SetGlobalWarningDisplay(false);  // Nobody reads them.

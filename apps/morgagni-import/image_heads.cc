@@ -10,8 +10,9 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
-#include <functional>
+#include <iterator>
 #include <memory>
+#include <span>
 #include <sstream>
 #include <system_error>
 #include <vector>
@@ -64,17 +65,18 @@ class NiftiHead {
     return start >= 0.0 && start < kFarthest ? static_cast<std::uintmax_t>(start) : 0;
   }
   /// Of the two ways to say where the grid lies those that are in use.
-  [[nodiscard]] bool has_finite_place() const {
+  [[nodiscard]] bool has_possible_place() const {
     if (version_ == 1) {
-      return (number<std::int16_t>(252) <= 0 || are_finite<float>(256, 6)) &&
-             (number<std::int16_t>(254) <= 0 || are_finite<float>(280, 12));
+      return (number<std::int16_t>(252) <= 0 || are_possible<float>(256, 6)) &&
+             (number<std::int16_t>(254) <= 0 || are_possible<float>(280, 12));
     }
-    return (number<std::int32_t>(344) <= 0 || are_finite<double>(352, 6)) &&
-           (number<std::int32_t>(348) <= 0 || are_finite<double>(400, 12));
+    return (number<std::int32_t>(344) <= 0 || are_possible<double>(352, 6)) &&
+           (number<std::int32_t>(348) <= 0 || are_possible<double>(400, 12));
   }
 
  private:
   static constexpr unsigned kMostBytes = 540;
+  static constexpr double kFarthestMm = 1e7;
 
   template <class T>
   [[nodiscard]] T number(std::size_t at) const {
@@ -85,9 +87,9 @@ class NiftiHead {
     return std::bit_cast<T>(stored);
   }
   template <class T>
-  [[nodiscard]] bool are_finite(std::size_t at, std::size_t count) const {
+  [[nodiscard]] bool are_possible(std::size_t at, std::size_t count) const {
     for (std::size_t i = 0; i < count; ++i)
-      if (!std::isfinite(number<T>(at + i * sizeof(T)))) return false;
+      if (!(std::abs(number<T>(at + i * sizeof(T))) < kFarthestMm)) return false;
     return true;
   }
   [[nodiscard]] bool says(std::size_t at, std::string_view magic) const {
@@ -108,12 +110,12 @@ Result<void> check_nifti_head(const fs::path& path) {
                           " is no NIfTI file: its head is damaged, or of an older "
                           "format that does not tell left from right");
   }
-  // VNL ends the whole process over it.
-  if (head.has_finite_place()) return {};
+  // VNL never ends with some of these, and ends the whole process over others.
+  if (head.has_possible_place()) return {};
   return make_error(ErrorCode::kIo,
                     path.filename().string() +
                         " is damaged: its qform or sform, which says where the voxels lie, has a "
-                        "number that is not finite");
+                        "number that is not below 1e7");
 }
 
 /// All of it is read through once.
@@ -158,49 +160,128 @@ Result<void> check_nrrd_head(const fs::path& path) {
   return {};
 }
 
-/// Calls `tell` with the key and the first word of the value of each line, up to the one that names
-/// where the voxels are. @return Where they begin, if in this file.
-std::uintmax_t read_meta_head(
-    const fs::path& path,
-    const std::function<void(const std::string& key, const std::string& value)>& tell) {
-  std::ifstream file(path, std::ios::binary);
-  for (std::string line; std::getline(file, line);) {
-    const auto equals = line.find_first_of("=:");
-    if (equals == std::string::npos) break;
+/// A MetaImage's lines "Key = Value" up to the one that names where the voxels are.
+struct MetaHead {
+  struct Line {
     std::string key;
-    std::string value;
-    std::istringstream(line.substr(0, equals)) >> key;
-    std::istringstream(line.substr(equals + 1)) >> value;
-    tell(key, value);
-    if (key == "ElementDataFile") break;
+    std::vector<std::string> words;
+  };
+  std::vector<Line> lines;
+  std::uintmax_t num_bytes = 0;
+  bool is_whole = false;
+
+  [[nodiscard]] std::string first_word(std::string_view key) const {
+    for (const auto& line : lines)
+      if (line.key == key) return line.words.front();
+    return {};
   }
-  const auto place = file.tellg();
-  return place < 0 ? 0 : static_cast<std::uintmax_t>(place);
+};
+
+std::vector<std::string> words_of(const std::string& text) {
+  std::istringstream in(text);
+  return {std::istream_iterator<std::string>(in), {}};
 }
 
-/// MetaIO never ends with fewer than no dimensions.
+MetaHead read_meta_head(const fs::path& path) {
+  constexpr std::size_t kMostBytes = 1U << 16U;
+  constexpr std::size_t kLongestLine = 499;  // Behind it MetaIO never ends.
+  std::string text(kMostBytes, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  MetaHead head;
+  for (std::size_t start = 0; start < text.size();) {
+    const auto end = std::min(text.find('\n', start), text.size());
+    const std::string line = text.substr(start, end - start);
+    start = end + 1;
+    if (words_of(line).empty()) continue;
+    const auto separator = line.find_first_of("=:");
+    const auto key = words_of(line.substr(0, separator));
+    const auto words =
+        words_of(separator == std::string::npos ? std::string() : line.substr(separator + 1));
+    if (key.size() != 1 || words.empty() || line.size() > kLongestLine) return head;
+    head.lines.push_back({key.front(), words});
+    head.num_bytes = std::min(start, text.size());
+    head.is_whole = key.front() == "ElementDataFile";
+    if (head.is_whole) return head;
+  }
+  return head;
+}
+
+bool is_number(const std::string& word) {
+  if (word.find_first_not_of("0123456789+-.eE") != std::string::npos) return false;
+  char* end = nullptr;
+  const double number = std::strtod(word.c_str(), &end);
+  constexpr double kMost = 1e15;
+  return *end == '\0' && std::abs(number) <= kMost;
+}
+
+/// How many numbers a key needs; none where it has no numbers.
+std::size_t num_numbers(const std::string& key, std::size_t num_dimensions) {
+  constexpr std::array<std::string_view, 9> kOne = {"NDims",
+                                                    "ID",
+                                                    "ParentID",
+                                                    "HeaderSize",
+                                                    "CompressedDataSize",
+                                                    "ElementMin",
+                                                    "ElementMax",
+                                                    "ElementNumberOfChannels",
+                                                    "ElementNBits"};
+  constexpr std::array<std::string_view, 9> kVector = {"DimSize",
+                                                       "Offset",
+                                                       "Position",
+                                                       "Origin",
+                                                       "CenterOfRotation",
+                                                       "ElementSpacing",
+                                                       "ElementSize",
+                                                       "ImagePosition",
+                                                       "SequenceID"};
+  constexpr std::array<std::string_view, 3> kMatrix = {
+      "TransformMatrix", "Orientation", "Rotation"};
+  const auto is_among = [&](const auto& keys) {
+    return std::find(keys.begin(), keys.end(), key) != keys.end();
+  };
+  if (is_among(kOne) || key.starts_with("ElementToIntensityFunction")) return 1;
+  if (is_among(kVector)) return num_dimensions;
+  if (is_among(kMatrix)) return num_dimensions * num_dimensions;
+  return key == "Color" ? 4 : 0;
+}
+
+/// MetaIO never ends with a head in which a number is missing or none.
 Result<void> check_meta_head(const fs::path& path) {
-  Result<void> result;
-  (void)read_meta_head(path, [&](const std::string& key, const std::string& value) {
-    if (key != "NDims") return;
-    const long num_dimensions = std::strtol(value.c_str(), nullptr, 10);
-    if (num_dimensions < 1 || num_dimensions > 4) result = refuse_dimensions(path, num_dimensions);
-  });
-  return result;
+  const std::string name = path.filename().string();
+  const MetaHead head = read_meta_head(path);
+  const long num_dimensions = std::strtol(head.first_word("NDims").c_str(), nullptr, 10);
+  for (const auto& line : head.lines) {
+    if (line.key == "NDims" && (num_dimensions < 1 || num_dimensions > 4))
+      return refuse_dimensions(path, num_dimensions);
+    const std::size_t needed = num_numbers(line.key, static_cast<std::size_t>(num_dimensions));
+    const auto words = std::span(line.words).first(std::min(needed, line.words.size()));
+    if (words.size() < needed || !std::all_of(words.begin(), words.end(), is_number)) {
+      return make_error(ErrorCode::kIo,
+                        name + " is damaged: behind its " + line.key + " stands no row of " +
+                            std::to_string(needed) + " finite number(s)");
+    }
+  }
+  if (head.is_whole) return {};
+  return make_error(ErrorCode::kIo,
+                    name +
+                        " is damaged or not what its name says: its head has no line that says "
+                        "where the voxels are (ElementDataFile)");
 }
 
 Result<void> check_meta_length(const fs::path& path, std::uintmax_t num_bytes) {
-  std::string data_file;
-  const auto head_bytes = read_meta_head(path, [&](const auto& key, const auto& value) {
-    if (key == "CompressedData" && lower_case(value) == "true") num_bytes = 0;
-    if (key == "CompressedDataSize") num_bytes = std::strtoull(value.c_str(), nullptr, 10);
-    if (key == "ElementDataFile") data_file = value;
-  });
+  const MetaHead head = read_meta_head(path);
+  if (lower_case(head.first_word("CompressedData")) == "true") {
+    const std::string packed = head.first_word("CompressedDataSize");
+    num_bytes = std::strtoull(packed.c_str(), nullptr, 10);
+  }
+  const std::string data_file = head.first_word("ElementDataFile");
   if (data_file == "LIST" || data_file.find('%') != std::string::npos) return {};
   std::error_code failure;
   std::uintmax_t left = 0;
   if (data_file == "LOCAL") {
-    left = fs::file_size(path, failure) - head_bytes;
+    left = fs::file_size(path, failure) - head.num_bytes;
   } else {
     left = fs::file_size(path.parent_path() / data_file, failure);
   }

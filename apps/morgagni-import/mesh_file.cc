@@ -57,15 +57,13 @@ Result<void> check_ending(const fs::path& path) {
 /// Memory for what a text file swells to, and time for reading it: not more.
 void allow_as_much_as_goes_with(const fs::path& path) {
   constexpr std::uintmax_t kSwelling = 12;
-  constexpr std::uint64_t kSecondsAtLeast = 5;
-  constexpr std::uint64_t kBytesPerSecond = 2'000'000;
   std::error_code failure;
   const auto file_bytes = fs::file_size(path, failure);
   const auto num_bytes =
       failure ? 0
               : std::min<std::uintmax_t>(file_bytes, static_cast<std::uintmax_t>(kMaxVolumeBytes));
   allow_memory(kSwelling * num_bytes);
-  limit_time(kSecondsAtLeast + num_bytes / kBytesPerSecond);
+  limit_time_for(num_bytes);
 }
 
 /// What makes an STL or OBJ file one plain triangle mesh.
@@ -115,6 +113,14 @@ Result<void> hand_over(const TriangleMesh& mesh, const std::string& name) {
     return make_error(ErrorCode::kInvalidArgument,
                       name + " has " + std::to_string(mesh.triangles.size()) +
                           " triangles, the limit is " + std::to_string(kMaxMeshTriangles));
+  }
+  const auto lost = std::find_if(mesh.vertices.begin(),
+                                 mesh.vertices.end(),
+                                 [](const auto& vertex) { return !vertex.allFinite(); });
+  if (lost != mesh.vertices.end()) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      name + " has a vertex whose place is not a finite number (vertex " +
+                          std::to_string(lost - mesh.vertices.begin()) + ")");
   }
   MOR_TRY(const auto place,
           open_mesh({kImportMeshMagic, mesh.vertices.size(), mesh.triangles.size()}));

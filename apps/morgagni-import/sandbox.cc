@@ -102,10 +102,13 @@ void give_up_rights() {
   }
 }
 
-void limit_time(std::uint64_t seconds) {
+void limit_time_for(std::uint64_t file_bytes) {
+  constexpr std::uint64_t kSecondsAtLeast = 5;
+  constexpr std::uint64_t kBytesPerSecond = 2'000'000;
+  const rlim_t seconds = kSecondsAtLeast + file_bytes / kBytesPerSecond;
   rlimit now{};
   if (::getrlimit(RLIMIT_CPU, &now) != 0) return;
-  now.rlim_cur = std::min<rlim_t>(seconds, now.rlim_max);
+  now.rlim_cur = std::min(seconds, now.rlim_max);
   (void)::setrlimit(RLIMIT_CPU, &now);
 }
 

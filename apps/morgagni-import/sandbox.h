@@ -14,7 +14,8 @@ void give_up_rights();
 /// Raises the memory limit to 256 MiB and what a file has declared, once that was found plausible.
 void allow_memory(std::uint64_t declared_bytes);
 
-/// Lowers the processor time that is left for everything: past it the process dies (SIGXCPU).
-void limit_time(std::uint64_t seconds);
+/// Lowers the processor time for everything to 5 s and what goes with a file of that length: past it
+/// the process dies (SIGXCPU).
+void limit_time_for(std::uint64_t file_bytes);
 
 }  // namespace mor::import

@@ -43,7 +43,7 @@ namespace import {
 
 void give_up_rights() {}
 void allow_memory(std::uint64_t) {}
-void limit_time(std::uint64_t) {}
+void limit_time_for(std::uint64_t) {}
 
 Result<std::span<std::int16_t>> open_voxels(const ImportHeader& what) {
   std::size_t num_voxels = 1;

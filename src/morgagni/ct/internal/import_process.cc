@@ -282,6 +282,14 @@ Result<TriangleMesh> take_mesh(int fd) {
   return mesh;
 }
 
+/// What is wrong with what was handed over is wrong with the file.
+auto naming(const std::filesystem::path& path) {
+  return [name = path.filename().string()](Error error) {
+    error.message = name + ": " + error.message;
+    return error;
+  };
+}
+
 Error death_of_child(int status, const Talk& talk, const std::filesystem::path& path) {
   std::string how = "ended with code " + std::to_string(WEXITSTATUS(status));
   if (WIFSIGNALED(status)) {
@@ -347,7 +355,7 @@ Result<Volume> run_import_process(const std::filesystem::path& program,
                                   const Progress& progress) {
   const Fd voxels(above_the_fixed_ones(::memfd_create("morgagni-import", MFD_CLOEXEC)));
   MOR_TRY(const Talk talk, converse(program, job, voxels, time_limit, progress));
-  MOR_TRY(Volume volume, take_volume(voxels.get()));
+  MOR_TRY(Volume volume, take_volume(voxels.get()).map_error(naming(job.path)));
   if (progress) progress(kStage, 1.0);
   return volume;
 }
@@ -359,7 +367,7 @@ Result<LabelMap> run_label_process(const std::filesystem::path& program,
   const Fd voxels(above_the_fixed_ones(::memfd_create("morgagni-import", MFD_CLOEXEC)));
   MOR_TRY(Talk talk, converse(program, job, voxels, time_limit, progress));
   LabelMap labels;
-  MOR_TRY(labels.voxels, take_volume(voxels.get()));
+  MOR_TRY(labels.voxels, take_volume(voxels.get()).map_error(naming(job.path)));
   labels.names = std::move(talk.labels);
   if (progress) progress(kStage, 1.0);
   return labels;
@@ -371,7 +379,7 @@ Result<ImportedMesh> run_mesh_process(const std::filesystem::path& program,
                                       const Progress& progress) {
   const Fd memory(above_the_fixed_ones(::memfd_create("morgagni-import", MFD_CLOEXEC)));
   MOR_TRY(const Talk talk, converse(program, job, memory, time_limit, progress));
-  MOR_TRY(TriangleMesh mesh, take_mesh(memory.get()));
+  MOR_TRY(TriangleMesh mesh, take_mesh(memory.get()).map_error(naming(job.path)));
   if (progress) progress(kStage, 1.0);
   return ImportedMesh{std::move(mesh), talk.frame};
 }
