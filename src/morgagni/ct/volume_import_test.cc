@@ -109,7 +109,7 @@ TEST_F(ImportVolume, SaysWhatIsWrongWithAFile) {
               HasSubstr("spacing"));
   EXPECT_THAT(error_of(write_mha("NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\n"
                                  "ElementSpacing = nan 1 2\n")),
-              HasSubstr("spacing"));
+              HasSubstr("behind its ElementSpacing"));
   EXPECT_THAT(error_of(write_mha("NDims = 2\nDimSize = 4 6\nElementType = MET_SHORT\n")),
               HasSubstr("2 dimensions, a CT has 3"));
   EXPECT_THAT(error_of(write_mha("NDims = 4\nDimSize = 2 3 2 2\nElementType = MET_SHORT\n")),
