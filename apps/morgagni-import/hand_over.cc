@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "messages.h"
+#include "sandbox.h"
 
 namespace mor::import {
 namespace {
@@ -17,6 +18,7 @@ template <class Header>
 Result<char*> open_memory(const Header& header, std::size_t num_bytes) {
   const auto no_memory =
       make_error(ErrorCode::kIo, "there is not enough memory to hand over what was read");
+  spend_on_hand_over(num_bytes);
   if (::ftruncate(kImportVoxelsFd, static_cast<off_t>(num_bytes)) != 0) return no_memory;
   void* memory = ::mmap(nullptr, num_bytes, PROT_READ | PROT_WRITE, MAP_SHARED, kImportVoxelsFd, 0);
   if (memory == MAP_FAILED) return no_memory;

@@ -206,7 +206,8 @@ Result<void> import_voxels(const std::filesystem::path& path, VoxelKind kind) {
     MOR_CHECK(check_length(
         path, format, static_cast<std::uintmax_t>(io->GetImageSizeInPixels()), num_bytes));
     // The reader keeps a copy of its own while it reads.
-    allow_memory(2 * num_bytes);
+    const std::uintmax_t num_hu_bytes = sizeof(std::int16_t) * io->GetImageSizeInPixels();
+    allow_memory(2 * std::max(num_bytes, num_hu_bytes));
     say_progress(0.2);
     const auto voxels = stored_voxels(*io);
     const auto type = io->GetComponentType();

@@ -16,6 +16,8 @@
 
 #include "morgagni/ct/import_protocol.h"
 
+#include "sight.h"
+
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define MOR_IMPORT_SANITIZED 1
 #else
@@ -45,48 +47,102 @@ std::uint64_t bytes_at_start() {
 }
 
 /// The system calls that reading files takes; all others fail with "not permitted".
-constexpr std::array kAllowed = {
-    SCMP_SYS(read),          SCMP_SYS(pread64),        SCMP_SYS(readv),
-    SCMP_SYS(write),         SCMP_SYS(writev),         SCMP_SYS(lseek),
-    SCMP_SYS(close),         SCMP_SYS(fstat),          SCMP_SYS(stat),
-    SCMP_SYS(lstat),         SCMP_SYS(newfstatat),     SCMP_SYS(statx),
-    SCMP_SYS(access),        SCMP_SYS(faccessat),      SCMP_SYS(faccessat2),
-    SCMP_SYS(readlink),      SCMP_SYS(readlinkat),     SCMP_SYS(getdents64),
-    SCMP_SYS(getcwd),        SCMP_SYS(fcntl),          SCMP_SYS(ftruncate),
-    SCMP_SYS(mmap),          SCMP_SYS(munmap),         SCMP_SYS(mremap),
-    SCMP_SYS(mprotect),      SCMP_SYS(madvise),        SCMP_SYS(brk),
-    SCMP_SYS(futex),         SCMP_SYS(sched_yield),    SCMP_SYS(sched_getaffinity),
-    SCMP_SYS(clock_gettime), SCMP_SYS(gettimeofday),   SCMP_SYS(getrandom),
-    SCMP_SYS(uname),         SCMP_SYS(sysinfo),        SCMP_SYS(getpid),
-    SCMP_SYS(gettid),        SCMP_SYS(getuid),         SCMP_SYS(geteuid),
-    SCMP_SYS(rt_sigaction),  SCMP_SYS(rt_sigprocmask), SCMP_SYS(rt_sigreturn),
-    SCMP_SYS(sigaltstack),   SCMP_SYS(tgkill),         SCMP_SYS(prlimit64),
-    SCMP_SYS(setrlimit),     SCMP_SYS(getrlimit),      SCMP_SYS(restart_syscall),
-    SCMP_SYS(exit),          SCMP_SYS(exit_group)};
+constexpr std::array kAllowed = {SCMP_SYS(read),
+                                 SCMP_SYS(pread64),
+                                 SCMP_SYS(readv),
+                                 SCMP_SYS(write),
+                                 SCMP_SYS(writev),
+                                 SCMP_SYS(lseek),
+                                 SCMP_SYS(close),
+                                 SCMP_SYS(fstat),
+                                 SCMP_SYS(stat),
+                                 SCMP_SYS(lstat),
+                                 SCMP_SYS(newfstatat),
+                                 SCMP_SYS(statx),
+                                 SCMP_SYS(access),
+                                 SCMP_SYS(faccessat),
+                                 SCMP_SYS(faccessat2),
+                                 SCMP_SYS(readlink),
+                                 SCMP_SYS(readlinkat),
+                                 SCMP_SYS(getdents64),
+                                 SCMP_SYS(getcwd),
+                                 SCMP_SYS(fcntl),
+                                 SCMP_SYS(ftruncate),
+                                 SCMP_SYS(mmap),
+                                 SCMP_SYS(munmap),
+                                 SCMP_SYS(mremap),
+                                 SCMP_SYS(mprotect),
+                                 SCMP_SYS(madvise),
+                                 SCMP_SYS(brk),
+                                 SCMP_SYS(futex),
+                                 SCMP_SYS(sched_yield),
+                                 SCMP_SYS(sched_getaffinity),
+                                 SCMP_SYS(clock_gettime),
+                                 SCMP_SYS(gettimeofday),
+                                 SCMP_SYS(getrandom),
+                                 SCMP_SYS(uname),
+                                 SCMP_SYS(sysinfo),
+                                 SCMP_SYS(getpid),
+                                 SCMP_SYS(gettid),
+                                 SCMP_SYS(getuid),
+                                 SCMP_SYS(geteuid),
+                                 SCMP_SYS(rt_sigaction),
+                                 SCMP_SYS(rt_sigprocmask),
+                                 SCMP_SYS(rt_sigreturn),
+                                 SCMP_SYS(sigaltstack),
+                                 SCMP_SYS(setrlimit),
+                                 SCMP_SYS(getrlimit),
+                                 SCMP_SYS(restart_syscall),
+                                 SCMP_SYS(exit),
+                                 SCMP_SYS(exit_group)};
+
+/// What no reader ever tries: whoever does has been taken over, and ends at once.
+constexpr std::array kDeadly = {SCMP_SYS(socket),
+                                SCMP_SYS(socketpair),
+                                SCMP_SYS(connect),
+                                SCMP_SYS(bind),
+                                SCMP_SYS(listen),
+                                SCMP_SYS(sendto),
+                                SCMP_SYS(execve),
+                                SCMP_SYS(execveat),
+                                SCMP_SYS(fork),
+                                SCMP_SYS(vfork),
+                                SCMP_SYS(ptrace),
+                                SCMP_SYS(process_vm_readv),
+                                SCMP_SYS(process_vm_writev),
+                                SCMP_SYS(kill),
+                                SCMP_SYS(mount),
+                                SCMP_SYS(unlink),
+                                SCMP_SYS(unlinkat),
+                                SCMP_SYS(rename),
+                                SCMP_SYS(renameat2),
+                                SCMP_SYS(bpf),
+                                SCMP_SYS(io_uring_setup)};
+
+void allow(scmp_filter_ctx filter, int call, const scmp_arg_cmp& only) {
+  (void)::seccomp_rule_add(filter, SCMP_ACT_ALLOW, call, 1, only);
+}
 
 /// Without it (an old kernel, a container that forbids it) the other limits still hold.
 void filter_system_calls() {
   scmp_filter_ctx filter = ::seccomp_init(SCMP_ACT_ERRNO(EPERM));
   if (filter == nullptr) return;
   for (const int call : kAllowed) (void)::seccomp_rule_add(filter, SCMP_ACT_ALLOW, call, 0);
+  for (const int call : kDeadly) (void)::seccomp_rule_add(filter, SCMP_ACT_KILL_PROCESS, call, 0);
   constexpr scmp_datum_t kWritingFlags = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC;
-  (void)::seccomp_rule_add(filter,
-                           SCMP_ACT_ALLOW,
-                           SCMP_SYS(openat),
-                           1,
-                           SCMP_A2(SCMP_CMP_MASKED_EQ, kWritingFlags, O_RDONLY));
-  (void)::seccomp_rule_add(filter,
-                           SCMP_ACT_ALLOW,
-                           SCMP_SYS(open),
-                           1,
-                           SCMP_A1(SCMP_CMP_MASKED_EQ, kWritingFlags, O_RDONLY));
+  allow(filter, SCMP_SYS(openat), SCMP_A2(SCMP_CMP_MASKED_EQ, kWritingFlags, O_RDONLY));
+  allow(filter, SCMP_SYS(open), SCMP_A1(SCMP_CMP_MASKED_EQ, kWritingFlags, O_RDONLY));
+  // Of this process alone: its own limits, and its own end by abort().
+  const auto self = static_cast<scmp_datum_t>(::getpid());
+  allow(filter, SCMP_SYS(prlimit64), SCMP_A0(SCMP_CMP_EQ, 0));
+  allow(filter, SCMP_SYS(tgkill), SCMP_A0(SCMP_CMP_EQ, self));
   (void)::seccomp_load(filter);
   ::seccomp_release(filter);
 }
 
 }  // namespace
 
-void give_up_rights() {
+void give_up_rights(const std::filesystem::path& to_read) {
   constexpr rlim_t kMaxCpuSeconds = 300;
   constexpr rlim_t kMaxOpenFiles = 64;
   limit(RLIMIT_CPU, kMaxCpuSeconds, kMaxCpuSeconds);
@@ -97,6 +153,8 @@ void give_up_rights() {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0);
   // A sanitizer needs memory and system calls of its own.
   if (MOR_IMPORT_SANITIZED == 0) {
+    (void)bytes_at_start();  // Asked for while /proc can be seen.
+    see_only(to_read);
     limit(RLIMIT_DATA, bytes_at_start() + kFreeBytes, bytes_at_start() + kMostBytes);
     filter_system_calls();
   }
@@ -118,6 +176,16 @@ void allow_memory(std::uint64_t declared_bytes) {
   if (::getrlimit(RLIMIT_DATA, &now) != 0) return;
   const rlim_t wanted = bytes_at_start() + kFreeBytes + declared_bytes;
   now.rlim_cur = std::clamp(wanted, now.rlim_cur, now.rlim_max);
+  (void)::setrlimit(RLIMIT_DATA, &now);
+}
+
+void spend_on_hand_over(std::uint64_t num_bytes) {
+  limit(RLIMIT_FSIZE, num_bytes, num_bytes);
+  if (MOR_IMPORT_SANITIZED != 0) return;
+  rlimit now{};
+  if (::getrlimit(RLIMIT_DATA, &now) != 0) return;
+  const rlim_t least = bytes_at_start() + kFreeBytes;
+  now.rlim_cur = std::max(least, now.rlim_cur - std::min<rlim_t>(num_bytes, now.rlim_cur));
   (void)::setrlimit(RLIMIT_DATA, &now);
 }
 

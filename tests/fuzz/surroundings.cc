@@ -41,8 +41,9 @@ ImportHeader header;
 
 namespace import {
 
-void give_up_rights() {}
+void give_up_rights(const std::filesystem::path&) {}
 void allow_memory(std::uint64_t) {}
+void spend_on_hand_over(std::uint64_t) {}
 void limit_time_for(std::uint64_t) {}
 
 Result<std::span<std::int16_t>> open_voxels(const ImportHeader& what) {

@@ -42,12 +42,16 @@ class Mutation {
         bytes_.insert(at, bytes_.substr(below(bytes_.size()), 1 + below(16)));
         break;
       case 4:
-        bytes_.replace(at, 4, below(2) == 0 ? "\xff\xff\xff\xff" : "\x7f\xff\xff\x7f");
+        overwrite(at, below(2) == 0 ? "\xff\xff\xff\xff" : "\x7f\xff\xff\x7f");
         break;
       default:
         replace_number(at);
         break;
     }
+  }
+
+  void overwrite(std::size_t at, std::string_view four) {
+    std::copy(four.begin(), four.end(), bytes_.begin() + static_cast<std::ptrdiff_t>(at));
   }
 
   /// The next number in text from there.

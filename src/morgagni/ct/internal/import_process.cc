@@ -295,7 +295,10 @@ Error death_of_child(int status, const Talk& talk, const std::filesystem::path& 
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
     how = std::string("died (") + ::strsignal(signal) +
-          (signal == SIGXCPU ? ", its time limit" : "") + ")";
+          (signal == SIGXCPU  ? ", its time limit"
+           : signal == SIGSYS ? ", it tried what reading a file does not take"
+                              : "") +
+          ")";
   }
   const std::string what = talk.current_file.empty() ? path.string() : talk.current_file;
   return {ErrorCode::kIo,
