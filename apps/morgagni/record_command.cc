@@ -11,6 +11,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
+#include "morgagni/camera/open_camera.h"
 #include "morgagni/camera/recording_thread.h"
 #include "morgagni/camera/simulated_camera.h"
 #include "morgagni/camera/tum_recorder.h"
@@ -73,9 +74,11 @@ Source simulated_source(const std::string& name, const std::shared_ptr<const Tri
 }
 
 /// Any other as it gives its frames. One that fails is asked again, for a while.
-Source camera_source(const std::string& name, const std::shared_ptr<const TriangleMesh>& skin) {
+Source camera_source(const std::string& name,
+                     const std::shared_ptr<const TriangleMesh>& skin,
+                     std::stop_token stopped) {
   using Clock = std::chrono::steady_clock;
-  std::shared_ptr<RangeCamera> camera = value_or_exit(open_camera(name, skin));
+  std::shared_ptr<RangeCamera> camera = value_or_exit(open_camera(name, skin, std::move(stopped)));
   return [camera, first = std::optional<Clock::time_point>()](
              std::stop_token stop) mutable -> Result<std::optional<Shot>> {
     for (int i = 1;; ++i) {
@@ -188,7 +191,7 @@ void record(Arguments arguments) {
   if (is_simulated && !arguments.num_frames) arguments.num_frames = kSimulatedFrames;
   const StopSignals signals;
   const auto source = is_simulated ? simulated_source(arguments.camera, skin)
-                                   : camera_source(arguments.camera, skin);
+                                   : camera_source(arguments.camera, skin, signals.token());
   if (is_mcap) {
     record_mcap(arguments, source, signals);
   } else {

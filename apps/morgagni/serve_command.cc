@@ -9,6 +9,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
+#include "morgagni/camera/open_camera.h"
 #include "morgagni/casefile/case.h"
 #include "morgagni/core/log.h"
 #include "morgagni/session/live_session.h"
@@ -45,7 +46,7 @@ void serve(Arguments& arguments) {
   const StopSignals signals;
   auto body = value_or_exit(load_case(arguments.folder));
   const auto skin = std::shared_ptr<const TriangleMesh>(body.skin, &body.skin->mesh);
-  auto camera = value_or_exit(open_camera(arguments.camera, skin));
+  auto camera = value_or_exit(open_camera(arguments.camera, skin, signals.token()));
   const auto name = body.name;
   const auto session =
       value_or_exit(LiveSession::start(std::move(body), std::move(camera), options));
@@ -66,12 +67,13 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--case", arguments->folder, "Folder that `morgagni prepare` made")
       ->required();
   command
-      ->add_option(
-          "--camera",
-          arguments->camera,
-          "simulated:[key=value,...], freenect:, openni2:, mcap:FILE[,loop=1][,speed=full] or "
-          "tum:DIR[,loop=1][,speed=full] (docs/cameras.md); at full speed every frame is tracked, "
-          "with the same poses each time")
+      ->add_option("--camera",
+                   arguments->camera,
+                   "simulated:[key=value,...], freenect:, openni2:, push:PORT, "
+                   "mcap:FILE[,loop=1][,speed=full] "
+                   "or tum:DIR[,loop=1][,speed=full] (docs/cameras.md); at full speed every frame "
+                   "is tracked, "
+                   "with the same poses each time")
       ->capture_default_str();
   command->add_option("--port", server.port, "On 127.0.0.1; 0 takes a free one")
       ->capture_default_str();

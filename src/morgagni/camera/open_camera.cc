@@ -1,14 +1,18 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/camera/open_camera.h"
+
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/camera/freenect_camera.h"
 #include "morgagni/camera/internal/key_values.h"
 #include "morgagni/camera/mcap_recording.h"
 #include "morgagni/camera/openni2_camera.h"
+#include "morgagni/camera/push_camera.h"
 #include "morgagni/camera/range_camera.h"
 #include "morgagni/camera/simulated_camera.h"
 #include "morgagni/camera/tum_recording.h"
+#include "morgagni/camera/v4l2_camera.h"
 #include "morgagni/camera/watched_camera.h"
 
 namespace mor {
@@ -56,6 +60,12 @@ Result<std::unique_ptr<RangeCamera>> open_recording(std::string_view kind, std::
 
 Result<std::unique_ptr<RangeCamera>> open_camera(const std::string& name,
                                                  std::shared_ptr<const TriangleMesh> skin) {
+  return open_camera(name, std::move(skin), std::stop_token());
+}
+
+Result<std::unique_ptr<RangeCamera>> open_camera(const std::string& name,
+                                                 std::shared_ptr<const TriangleMesh> skin,
+                                                 std::stop_token stop) {
   const auto colon = name.find(':');
   const std::string_view kind = std::string_view(name).substr(0, colon);
   const std::string_view rest =
@@ -70,6 +80,14 @@ Result<std::unique_ptr<RangeCamera>> open_camera(const std::string& name,
     if (options.uri.ends_with(".oni")) return open_openni2(options);
     return watch_camera([options] { return open_openni2(options); });
   }
+  if (colon != std::string::npos && kind == "v4l2") {
+    MOR_TRY(const auto options, V4l2Options::parse(rest));
+    return watch_camera([options] { return open_v4l2(options); });
+  }
+  if (colon != std::string::npos && kind == "push") {
+    MOR_TRY(const auto options, PushOptions::parse(rest));
+    return open_push(options, std::move(stop));
+  }
   if (colon != std::string::npos && kind == "tum") return open_recording<TumRecording>(kind, rest);
   if (colon != std::string::npos && kind == "mcap") {
     return open_recording<McapRecording>(kind, rest);
@@ -79,10 +97,11 @@ Result<std::unique_ptr<RangeCamera>> open_camera(const std::string& name,
     MOR_TRY(auto camera, SimulatedCamera::create(std::move(skin), options));
     return std::unique_ptr<RangeCamera>(std::move(camera));
   }
-  return make_error(ErrorCode::kInvalidArgument,
-                    fmt::format("camera '{}' is unknown, there are freenect:, mcap:FILE, openni2:, "
-                                "simulated:[key=value,...] and tum:DIR",
-                                name));
+  return make_error(
+      ErrorCode::kInvalidArgument,
+      fmt::format("camera '{}' is unknown, there are freenect:, mcap:FILE, openni2:, "
+                  "push:PORT, simulated:[key=value,...], tum:DIR and v4l2:/dev/videoN",
+                  name));
 }
 
 }  // namespace mor

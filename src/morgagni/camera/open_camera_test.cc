@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/camera/open_camera.h"
+
 #include <filesystem>
 
 #include <gmock/gmock.h>
-
-#include "morgagni/camera/range_camera.h"
 
 namespace mor {
 namespace {
@@ -22,6 +22,8 @@ TEST(OpenCamera, NamesTheKindsThatThereAre) {
                 AllOf(HasSubstr("freenect:"),
                       HasSubstr("simulated:"),
                       HasSubstr("mcap:FILE"),
+                      HasSubstr("push:PORT"),
+                      HasSubstr("v4l2:/dev/videoN"),
                       HasSubstr("tum:DIR")))
         << name;
   }
@@ -33,11 +35,27 @@ TEST(OpenCamera, PassesOnWhatIsWrongWithTheOptions) {
   EXPECT_THAT(error_of("freenect:index=99"), HasSubstr("[0, 15]"));
   EXPECT_THAT(error_of("freenect:calibration=/nowhere.json,mode=1"), HasSubstr("'mode'"));
   EXPECT_THAT(error_of("openni2:x.oni,speed=full"), HasSubstr("only calibration"));
+  EXPECT_THAT(error_of("push:"), HasSubstr("needs a port"));
+  EXPECT_THAT(error_of("push:65536"), HasSubstr("[0, 65535]"));
+  EXPECT_THAT(error_of("push:here:0"), HasSubstr("'here' is no IP address"));
+  EXPECT_THAT(error_of("push:0,token=short"), HasSubstr("at least 8"));
+  EXPECT_THAT(error_of("push:0,tolerance_ms=0"), HasSubstr("[1, 1000]"));
+  EXPECT_THAT(error_of("push:0,calibration=/nowhere.json"), HasSubstr("/nowhere.json"));
+  EXPECT_THAT(error_of("push:0,speed=full"), HasSubstr("token, calibration, tolerance_ms"));
+  EXPECT_THAT(error_of("v4l2:"), HasSubstr("needs a device"));
+  EXPECT_THAT(error_of("v4l2:/dev/no_video"), HasSubstr("there is no /dev/no_video"));
   EXPECT_THAT(error_of("tum:"), HasSubstr("needs a folder"));
   EXPECT_THAT(error_of("tum:/nowhere"), HasSubstr("/nowhere"));
   EXPECT_THAT(error_of("tum:/nowhere,loop=2"), HasSubstr("loop must be one of 0, 1"));
   EXPECT_THAT(error_of("tum:/nowhere,speed=2"), HasSubstr("real, full"));
   EXPECT_THAT(error_of("tum:/nowhere,lop=1"), AllOf(HasSubstr("'lop'"), HasSubstr("loop, speed")));
+}
+
+TEST(OpenCamera, StopsToWaitForADeviceThatPushesWhenAsked) {
+  std::stop_source stop;
+  stop.request_stop();
+  const auto camera = open_camera("push:0", nullptr, stop.get_token());
+  EXPECT_THAT(camera.error().message, HasSubstr("stopped before a device"));
 }
 
 TEST(OpenCamera, OpensTheSimulationAndARecording) {

@@ -66,13 +66,13 @@ class RangeCamera {
 
 /// Opens a camera by its name:
 ///   `simulated:[key=value,...]`  see SimulatedCameraOptions;
-///   `tum:DIR[,loop=1][,speed=real|full]`  a recording in the TUM RGB-D layout;
+///   `tum:DIR`, `mcap:FILE`, both with `[,loop=1][,speed=real|full]`  recordings;
 ///   `freenect:[index=N][,calibration=FILE]`  a Kinect for Xbox 360;
 ///   `openni2:[FILE.oni][,calibration=FILE]`  a Carmine, Xtion or Structure, or its recording;
-///   `mcap:FILE[,loop=1][,speed=real|full]`  a recording that Morgagni made (McapRecorder).
+///   `push:[HOST:]PORT[,token=...][,calibration=FILE][,tolerance_ms=N]`  any device on the net;
+///   `v4l2:/dev/videoN[,color=/dev/videoM][,calibration=FILE][,format=z16|y16]`  by the kernel.
 /// @param skin  The case's skin, which only the simulated camera looks at.
-/// @errors kInvalidArgument (unknown kind, key or value: names it and what is allowed), kNotFound,
-/// kIo.
+/// @errors kInvalidArgument (unknown kind, key or value: names what is allowed), kNotFound, kIo.
 [[nodiscard]] Result<std::unique_ptr<RangeCamera>> open_camera(
     const std::string& name, std::shared_ptr<const TriangleMesh> skin);
 

@@ -17,6 +17,26 @@ using Codec = std::unique_ptr<void, Destroy>;
 
 static_assert(sizeof(Rgb8) == 3, "TJPF_RGB reads three bytes a pixel");
 
+tl::unexpected<Error> unreadable(const Codec& codec) {
+  return make_error(ErrorCode::kIo,
+                    fmt::format("not a readable JPEG: {}", tjGetErrorStr2(codec.get())));
+}
+
+Result<JpegSize> read_size(const Codec& codec, std::span<const std::byte> bytes) {
+  JpegSize size;
+  int sampling = 0, color_space = 0;
+  if (tjDecompressHeader3(codec.get(),
+                          reinterpret_cast<const unsigned char*>(bytes.data()),
+                          bytes.size(),
+                          &size.width_px,
+                          &size.height_px,
+                          &sampling,
+                          &color_space) != 0) {
+    return unreadable(codec);
+  }
+  return size;
+}
+
 }  // namespace
 
 Result<std::vector<std::byte>> encode_jpeg(ImageView<const Rgb8> image, int quality) {
@@ -48,18 +68,14 @@ Result<std::vector<std::byte>> encode_jpeg(ImageView<const Rgb8> image, int qual
   return bytes;
 }
 
+Result<JpegSize> read_jpeg_size(std::span<const std::byte> bytes) {
+  return read_size(Codec(tjInitDecompress()), bytes);
+}
+
 Result<Image<Rgb8>> decode_jpeg(std::span<const std::byte> bytes) {
   const Codec codec(tjInitDecompress());
-  const auto* in = reinterpret_cast<const unsigned char*>(bytes.data());
-  const auto failed = [&] {
-    return make_error(ErrorCode::kIo,
-                      fmt::format("not a readable JPEG: {}", tjGetErrorStr2(codec.get())));
-  };
-  int width = 0, height = 0, sampling = 0, color_space = 0;
-  if (tjDecompressHeader3(
-          codec.get(), in, bytes.size(), &width, &height, &sampling, &color_space) != 0) {
-    return failed();
-  }
+  MOR_TRY(const auto size, read_size(codec, bytes));
+  const auto [width, height] = size;
   if (width > kMaxJpegSidePx || height > kMaxJpegSidePx) {
     return make_error(
         ErrorCode::kInvalidArgument,
@@ -67,15 +83,15 @@ Result<Image<Rgb8>> decode_jpeg(std::span<const std::byte> bytes) {
   }
   Image<Rgb8> image(width, height);
   if (tjDecompress2(codec.get(),
-                    in,
+                    reinterpret_cast<const unsigned char*>(bytes.data()),
                     bytes.size(),
                     reinterpret_cast<unsigned char*>(image.data()),
                     width,
                     0,
                     height,
                     TJPF_RGB,
-                    TJFLAG_STOPONWARNING) != 0) {
-    return failed();
+                    TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS) != 0) {
+    return unreadable(codec);
   }
   return image;
 }

@@ -142,6 +142,23 @@ Result<Image<Rgb8>> decode_png_rgb(std::span<const std::byte> bytes) {
   return decode_png<Rgb8>(bytes, Layout::kRgb8);
 }
 
+Result<Image<std::uint16_t>> decode_png_gray16(std::span<const std::byte> bytes) {
+  return decode_png<std::uint16_t>(bytes, Layout::kGray16);
+}
+
+Result<PngHead> read_png_head(std::span<const std::byte> bytes) {
+  // The signature, then the chunk IHDR: length, name, width, height, bit depth, colour type.
+  constexpr std::size_t kName = 12, kWidth = 16, kHeight = 20, kDepth = 24, kColor = 25, kEnd = 26;
+  const auto* data = reinterpret_cast<png_const_bytep>(bytes.data());
+  if (bytes.size() < kEnd || png_sig_cmp(data, 0, 8) != 0 ||
+      std::memcmp(data + kName, "IHDR", 4) != 0) {
+    return make_error(ErrorCode::kIo, "not a PNG");
+  }
+  return PngHead{png_get_uint_32(data + kWidth),
+                 png_get_uint_32(data + kHeight),
+                 data[kDepth] == 16 && data[kColor] == PNG_COLOR_TYPE_GRAY};
+}
+
 std::vector<std::byte> encode_png(ImageView<const Rgb8> image) {
   return write_png(image, 8, PNG_COLOR_TYPE_RGB);
 }

@@ -25,6 +25,18 @@ inline constexpr int kMaxPngSidePx = 16384;
 
 /// The same from memory. @errors As above; the sentence names no file.
 [[nodiscard]] Result<Image<Rgb8>> decode_png_rgb(std::span<const std::byte> bytes);
+[[nodiscard]] Result<Image<std::uint16_t>> decode_png_gray16(std::span<const std::byte> bytes);
+
+/// What a PNG says of itself at its start.
+struct PngHead {
+  std::uint32_t width_px = 0;
+  std::uint32_t height_px = 0;
+  bool is_gray16 = false;
+};
+
+/// Reads the head alone: whoever has a stranger's picture looks at its size before it is unpacked.
+/// @errors kIo: not a PNG.
+[[nodiscard]] Result<PngHead> read_png_head(std::span<const std::byte> bytes);
 
 /// PNG bytes, quick compression.
 [[nodiscard]] std::vector<std::byte> encode_png(ImageView<const Rgb8> image);

@@ -5,9 +5,9 @@
 #include <mutex>
 #include <utility>
 
+#include "morgagni/core/main_loop.h"
 #include "morgagni/stream/internal/gst_parts.h"
 #include "morgagni/stream/internal/http_server.h"
-#include "morgagni/stream/internal/main_loop.h"
 #include "morgagni/stream/internal/video_encoder.h"
 #include "morgagni/stream/internal/video_recorder.h"
 #include "morgagni/stream/internal/viewer_hub.h"
@@ -107,7 +107,7 @@ class LiveServerOnGlib : public LiveServer {
     return recorder_;
   }
 
-  internal::MainLoop main_loop_;
+  MainLoop main_loop_;
   internal::ViewerHub viewers_;
   mutable std::mutex recorder_mutex_;
   std::shared_ptr<internal::VideoRecorder> recorder_;

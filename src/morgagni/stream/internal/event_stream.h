@@ -8,7 +8,7 @@
 
 #include <libsoup/soup.h>
 
-#include "morgagni/stream/internal/glib_handles.h"
+#include "morgagni/core/glib_handles.h"
 
 namespace mor::internal {
 

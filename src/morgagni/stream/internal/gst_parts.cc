@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "morgagni/stream/internal/glib_handles.h"
+#include "morgagni/core/glib_handles.h"
 
 namespace mor::internal {
 

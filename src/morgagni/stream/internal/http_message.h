@@ -11,7 +11,7 @@
 
 #include <libsoup/soup.h>
 
-#include "morgagni/stream/internal/glib_handles.h"
+#include "morgagni/core/glib_handles.h"
 #include "morgagni/stream/live_server.h"
 
 namespace mor::internal {

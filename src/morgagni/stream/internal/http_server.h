@@ -9,9 +9,9 @@
 
 #include <libsoup/soup.h>
 
+#include "morgagni/core/glib_handles.h"
 #include "morgagni/core/result.h"
 #include "morgagni/stream/internal/event_stream.h"
-#include "morgagni/stream/internal/glib_handles.h"
 #include "morgagni/stream/internal/http_message.h"
 #include "morgagni/stream/internal/viewer_hub.h"
 #include "morgagni/stream/live_server.h"

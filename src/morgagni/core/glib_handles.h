@@ -7,7 +7,7 @@
 #include <glib-object.h>
 #include <gst/gst.h>
 
-namespace mor::internal {
+namespace mor {
 
 template <auto Free>
 struct FreeWith {
@@ -26,4 +26,4 @@ using GstBufferHandle = std::unique_ptr<GstBuffer, FreeWith<gst_buffer_unref>>;
 using GErrorHandle = std::unique_ptr<GError, FreeWith<g_error_free>>;
 using GCharHandle = std::unique_ptr<char, FreeWith<g_free>>;
 
-}  // namespace mor::internal
+}  // namespace mor

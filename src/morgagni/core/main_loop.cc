@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/stream/internal/main_loop.h"
+#include "morgagni/core/main_loop.h"
 
 #include <latch>
 #include <utility>
 
-namespace mor::internal {
+#include <glib.h>
+
+namespace mor {
 
 namespace {
 
@@ -76,4 +78,4 @@ void MainLoop::every(std::chrono::milliseconds period, std::function<void()> wor
          std::move(work));
 }
 
-}  // namespace mor::internal
+}  // namespace mor

@@ -6,9 +6,10 @@
 #include <functional>
 #include <thread>
 
-#include <glib.h>
+typedef struct _GMainContext GMainContext;  // NOLINT(modernize-use-using): as GLib declares them.
+typedef struct _GMainLoop GMainLoop;        // NOLINT(modernize-use-using)
 
-namespace mor::internal {
+namespace mor {
 
 /// A GLib main loop in a thread of its own. Everything that libsoup calls back runs in it.
 class MainLoop {
@@ -41,4 +42,4 @@ class MainLoop {
   std::jthread thread_;
 };
 
-}  // namespace mor::internal
+}  // namespace mor

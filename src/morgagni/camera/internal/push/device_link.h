@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include <libsoup/soup.h>
+
+#include "morgagni/camera/internal/push/inbox.h"
+#include "morgagni/core/glib_handles.h"
+
+namespace mor::internal::push {
+
+/// The device that pushes: its WebSocket, its channels, and what it is answered. The loop's alone.
+class DeviceLink {
+ public:
+  DeviceLink(SoupWebsocketConnection* connection, Inbox& inbox);
+  ~DeviceLink();
+  DeviceLink(const DeviceLink&) = delete;
+  DeviceLink& operator=(const DeviceLink&) = delete;
+
+  /// Says why, and closes: try again later.
+  static void turn_away(SoupWebsocketConnection* connection, const std::string& why);
+
+  [[nodiscard]] bool is_open() const;
+  [[nodiscard]] std::chrono::steady_clock::time_point last_heard() const { return last_heard_; }
+
+  /// The same sentence once a second at most. A device that is told too much is hung up on.
+  void say(const Status& status);
+  void close(const std::string& why);
+
+ private:
+  void on_message(SoupWebsocketDataType type, GBytes* bytes);
+  void take(std::span<const std::byte> bytes);
+
+  GObjectHandle<SoupWebsocketConnection> connection_;
+  Inbox& inbox_;
+  ClientChannels channels_;
+  std::chrono::steady_clock::time_point last_heard_ = std::chrono::steady_clock::now();
+  std::string last_said_;
+  std::chrono::steady_clock::time_point last_said_at_;
+  int num_said_ = 0;
+};
+
+}  // namespace mor::internal::push
