@@ -10,6 +10,7 @@
 
 #include "morgagni/camera/freenect_camera.h"
 #include "morgagni/camera/usb_cameras.h"
+#include "morgagni/camera/v4l2_camera.h"
 #include "morgagni/compute/compute_device.h"
 #include "morgagni/core/version.h"
 #include "morgagni/render/overlay_renderer.h"
@@ -26,6 +27,7 @@ struct Findings {
   Result<std::string> opengl_device;
   std::vector<UsbCamera> cameras;
   Result<int> num_kinects;  ///< That libfreenect sees.
+  std::vector<DepthVideoDevice> video_devices;
 };
 
 Result<std::string> find_opengl_device() {
@@ -38,7 +40,8 @@ Findings look_around() {
                     {},
                     find_opengl_device(),
                     list_usb_cameras(),
-                    count_freenect_devices(FreenectOptions{}.library)};
+                    count_freenect_devices(FreenectOptions{}.library),
+                    list_depth_video_devices()};
   if (const auto chosen = choose_compute_device(findings.opencl_devices, "opencl"); !chosen) {
     findings.opencl_advice = chosen.error().message;
   }
@@ -54,7 +57,15 @@ std::string cameras_text(const Findings& findings) {
                         camera.camera.empty() ? "" : ": --camera " + camera.camera);
     if (!camera.advice.empty()) text += fmt::format("    {}\n", camera.advice);
   }
-  if (findings.cameras.empty()) text += "  none is plugged in\n";
+  for (const auto& device : findings.video_devices) {
+    text += fmt::format("  {}{}{}\n",
+                        device.card.empty() ? device.path : device.card,
+                        device.camera.empty() ? "" : ": --camera ",
+                        device.camera);
+    if (!device.advice.empty()) text += fmt::format("    {}\n", device.advice);
+  }
+  if (findings.cameras.empty() && findings.video_devices.empty()) text += "  none is plugged in\n";
+  text += "  any other, on this machine or the network: --camera push:8765 (docs/cameras.md)\n";
   text += fmt::format("  libfreenect: {}\n",
                       findings.num_kinects ? fmt::format("{} Kinects", *findings.num_kinects)
                                            : findings.num_kinects.error().message);
@@ -97,6 +108,13 @@ std::string to_json(const Findings& findings) {
                        {"allowed", camera.is_allowed},
                        {"advice", camera.advice}});
   }
+  auto video_devices = nlohmann::ordered_json::array();
+  for (const auto& device : findings.video_devices) {
+    video_devices.push_back({{"path", device.path},
+                             {"card", device.card},
+                             {"camera", device.camera},
+                             {"advice", device.advice}});
+  }
   const auto& opengl = findings.opengl_device;
   const auto& kinects = findings.num_kinects;
   const nlohmann::ordered_json json = {
@@ -104,6 +122,7 @@ std::string to_json(const Findings& findings) {
       {"opencl_devices", devices},
       {"opengl_device", opengl ? nlohmann::ordered_json(*opengl) : nlohmann::ordered_json()},
       {"range_cameras", cameras},
+      {"depth_video_devices", video_devices},
       {"kinects", kinects ? nlohmann::ordered_json(*kinects) : nlohmann::ordered_json()}};
   return json.dump(2) + "\n";
 }

@@ -67,8 +67,13 @@ std::optional<fs::path> device_file(const fs::path& entry, const fs::path& devic
 }
 
 std::string advice_for(const UsbCamera& camera) {
+  if (camera.product.starts_with("RealSense")) {
+    return "where the kernel runs it, it is among the video devices (--camera v4l2:/dev/videoN); "
+           "or push it with examples/push_realsense.py";
+  }
   if (camera.camera.empty()) {
-    return "there is no driver yet; record it elsewhere in the TUM layout and play it with tum:DIR";
+    return "Debian has no driver for it: push it with its maker's own (--camera push:8765; "
+           "docs/cameras.md has scripts)";
   }
   if (camera.is_allowed) return {};
   return "this user may not use it: copy scripts/60-morgagni-cameras.rules to /etc/udev/rules.d, "

@@ -12,7 +12,7 @@ namespace mor {
 struct UsbCamera {
   std::string product;      ///< "Kinect for Xbox 360".
   std::string id;           ///< "045e:02ae".
-  std::string camera;       ///< What opens it: "freenect:". Empty: no driver yet.
+  std::string camera;       ///< What opens it: "freenect:". Empty: no driver.
   bool is_allowed = false;  ///< This user may use it.
   std::string advice = {};  ///< What to do before it can be used. Empty: nothing.
 };

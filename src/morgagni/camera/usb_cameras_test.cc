@@ -44,15 +44,18 @@ TEST_F(UsbCameras, KnowsThoseThatArePluggedInAndWhatOpensThem) {
   allow("007");
   plug_in("2-2", "046d", "c52b", 8);  // A mouse.
   plug_in("2-3", "8086", "0b3a", 9);
+  plug_in("2-4", "045e", "097c", 10);
   fs::create_directories(home_ / "sys/2-1:1.0");  // An interface has no vendor.
   const auto cameras = list();
-  ASSERT_EQ(cameras.size(), 2U);
+  ASSERT_EQ(cameras.size(), 3U);
+  EXPECT_EQ(cameras[1].product, "Azure Kinect");
+  EXPECT_THAT(cameras[1].advice, HasSubstr("--camera push:"));
   EXPECT_EQ(cameras[0].product, "Kinect for Xbox 360");
   EXPECT_EQ(cameras[0].camera, "freenect:");
   EXPECT_TRUE(cameras[0].is_allowed);
   EXPECT_THAT(cameras[0].advice, IsEmpty());
-  EXPECT_EQ(cameras[1].product, "RealSense D435i");
-  EXPECT_THAT(cameras[1].advice, HasSubstr("no driver yet"));
+  EXPECT_EQ(cameras[2].product, "RealSense D435i");
+  EXPECT_THAT(cameras[2].advice, HasSubstr("push_realsense.py"));
 }
 
 TEST_F(UsbCameras, SaysWhatToDoWhereThePermissionIsMissing) {

@@ -33,6 +33,13 @@ TEST(Jpeg, ComesBackNearlyAsItWas) {
   }
 }
 
+TEST(Jpeg, TellsItsSizeBeforeItIsUnpacked) {
+  const auto size = read_jpeg_size(encode_jpeg(slope().view(), 95).value()).value();
+  EXPECT_EQ(size.width_px, 33);
+  EXPECT_EQ(size.height_px, 17);
+  EXPECT_FALSE(read_jpeg_size({}));
+}
+
 TEST(Jpeg, TakesAPartOfALargerPicture) {
   const auto image = slope();
   const ImageView<const Rgb8> part(image.data() + 1, 16, 17, 33);

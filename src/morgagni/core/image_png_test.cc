@@ -53,6 +53,15 @@ TEST(Png, RefusesColourWhereDepthIsExpected) {
   EXPECT_THAT(read.error().message, HasSubstr("16-bit grey"));
 }
 
+TEST(Png, TellsItsSizeBeforeItIsUnpacked) {
+  const auto depth = encode_png(Image<std::uint16_t>(5, 3).view());
+  EXPECT_EQ(read_png_head(depth).value().width_px, 5U);
+  EXPECT_EQ(read_png_head(depth).value().height_px, 3U);
+  EXPECT_TRUE(read_png_head(depth).value().is_gray16);
+  EXPECT_FALSE(read_png_head(encode_png(Image<Rgb8>(5, 3).view())).value().is_gray16);
+  for (std::size_t size = 0; size < 26; ++size) EXPECT_FALSE(read_png_head({depth.data(), size}));
+}
+
 TEST(Png, SaysThatATruncatedFileEndsTooEarly) {
   const auto bytes = encode_png(ramp().view());
   const auto path = scratch("cut.png");

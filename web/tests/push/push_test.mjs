@@ -8,7 +8,7 @@
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
-import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs';
 import { connect } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -65,6 +65,9 @@ class Recording {
   async stop() {
     this.process.kill('SIGTERM');
     await this.ended;
+  }
+  files() {
+    return readdirSync(`/proc/${this.process.pid}/fd`).length;
   }
   memory_kib() {
     return Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${this.process.pid}/status`, 'utf8'))[1]);
@@ -163,7 +166,7 @@ async function testStockClient() {
 
 async function testPythonExample() {
   const recording = await Recording.start('realsense', 'push:0', 4);
-  const python = spawn('python3', ['examples/push_realsense.py', recording.address],
+  const python = spawn('/usr/bin/python3', ['examples/push_realsense.py', recording.address],
     { env: { ...process.env, PYTHONPATH: 'web/tests/push/fake' }, stdio: ['ignore', 'inherit', 'pipe'] });
   const complaints = [];
   createInterface(python.stderr).on('line', (line) => complaints.push(line));
@@ -201,16 +204,19 @@ async function testWhatIsRefused() {
   await device.told('channel 9 was not advertised');
   device.socket.send(Buffer.alloc(0));
   await device.told('binary message of 0 bytes');
-  pushPlainDepth(device, wall_ns(), 0);
-  pushColor(device, wall_ns(), 0);
+  const pushBoth = (change) => {
+    const ns = wall_ns();
+    pushPlainDepth(device, ns, 0, change);
+    pushColor(device, ns, 0);
+  };
+  pushBoth();
   await device.told('has no CameraInfo');
   const nan = camera_info({ ...DEPTH, fx: NaN }, 'depth', 0n);
   device.publish('/camera/depth/camera_info', 'sensor_msgs/msg/CameraInfo', nan);
   await device.told('not finite');
   describe(device);
   await sleep(50);
-  pushPlainDepth(device, wall_ns(), 0, { width: 32, step: 64 });
-  pushColor(device, wall_ns(), 0);
+  pushBoth({ width: 32, step: 64 });
   await device.told('a picture of 32x48 px');
   await recording.says('cannot be used: a picture of 32x48 px');
 
@@ -219,7 +225,7 @@ async function testWhatIsRefused() {
   const pushing = keepPushing(device, pushPlainDepth, () => done);
   const second = await Device.connect(address);
   await second.told('another device is sending');
-  assert.equal((await second.closed).code, 1013);
+  assert.equal((await second.closed).code, 1008);
   await recording.ended;
   done = true;
   await pushing;
@@ -234,6 +240,7 @@ async function testToken() {
   assert.equal(await tried('/?token=wrong-horse'), 'refused');
   assert.equal(await tried('/?token=right-hors'), 'refused');
   assert.equal(await tried('', { headers: { Authorization: 'Bearer right-horse' } }), 'in');
+  await sleep(1100); // It may be missed a little later; for so long nobody else is let in.
   const device = await Device.connect(`${recording.address}/?token=right-horse`, { options: { headers: { Origin: 'https://other.example' } } });
   describe(device);
   await pushUntilEnd(device, pushPlainDepth, recording);
@@ -255,44 +262,49 @@ async function testVanishing() {
   await recording.says('no device is connected: it must push to ws://', 5000);
   const said_ms = Date.now() - pulled_at;
   device = await Device.connect(recording.address);
-  const back_at = Date.now();
   describe(device);
   gone = false;
-  const size = recording.log.length;
   const again = keepPushing(device, pushPlainDepth, () => gone);
-  await sleep(2500);
-  assert.equal(recording.log.length, size, `still complains: ${recording.log.slice(size).join('\n')}`);
+  await sleep(3000);
+  // `record` warns each time that it gets no frame, each 0.7 s.
+  const warnings = () => recording.log.filter((line) => line.includes('warning'));
+  const before = warnings().length;
+  await sleep(2000);
+  assert.deepEqual(warnings().slice(before), [], 'frames have been back for long');
   gone = true;
   await again;
   device.vanish();
   await recording.stop();
-  console.log(`said after ${said_ms} ms; frames again within ${Date.now() - back_at} ms`);
-  assert.ok(said_ms < 1500, `said after ${said_ms} ms`);
+  console.log(`said after ${said_ms} ms`);
+  assert.ok(said_ms < 1000, `said after ${said_ms} ms`);
 }
 
 /** Many connections, half-open ones, too much in one message and in many parts: bounded, and still there after. */
 async function testFlood() {
   const recording = await Recording.start('flood', 'push:0', 2);
   const before_kib = recording.memory_kib();
-  const sockets = Array.from({ length: 60 }, () => connect(recording.port, '127.0.0.1').on('error', () => {}));
-  await sleep(300);
-  const open = sockets.filter((socket) => !socket.destroyed && !socket.readableEnded).length;
-  assert.ok(open <= 20, `${open} connections are kept`);
+  const files = recording.files();
+  const sockets = Array.from({ length: 60 }, () => connect(recording.port, '127.0.0.1').on('error', () => {}).resume());
+  await sleep(2000);
+  const kept = recording.files() - files;
+  assert.ok(kept >= 1 && kept <= 16, `${kept} connections are kept`);
   for (const socket of sockets) socket.destroy();
   await sleep(300);
 
   const flood = await Device.connect(recording.address);
   flood.socket.on('error', () => {});
   flood.socket.send(Buffer.alloc(40 << 20));
-  assert.equal((await flood.closed).code, 1009, 'too big');
+  // "Too big", unless the connection broke while the rest was still on its way.
+  assert.ok([1009, 1006].includes((await flood.closed).code), 'too big');
 
   const parts = new WebSocket(recording.address, ['foxglove.websocket.v1']);
   parts.on('error', () => {});
   await once(parts, 'open');
   let isClosed = false;
-  parts.on('close', () => (isClosed = true));
+  const closed = once(parts, 'close').then(() => (isClosed = true));
   for (let i = 0; i < 20 && !isClosed; ++i) {
-    await new Promise((resolve) => parts.send(Buffer.alloc(16 << 20), { fin: false, binary: true }, resolve));
+    const sent = new Promise((resolve) => parts.send(Buffer.alloc(16 << 20), { fin: false, binary: true }, resolve));
+    await Promise.race([sent, closed]);
   }
   await sleep(200);
   const grown_mib = (recording.memory_kib() - before_kib) / 1024;
@@ -314,7 +326,7 @@ async function testFlood() {
 try {
   const tests = { testStockClient, testPythonExample, testWhatIsRefused, testToken, testVanishing, testFlood };
   for (const [name, test] of Object.entries(tests)) {
-    await test();
+    await Promise.race([test(), sleep(90000).then(() => Promise.reject(new Error(`${name} takes too long`)))]);
     console.log(`ok ${name}`);
   }
   process.exitCode = 0;

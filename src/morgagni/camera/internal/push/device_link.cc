@@ -10,15 +10,17 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr guint64 kMaxMessageBytes = 32U << 20U;
+constexpr guint64 kMaxHeadBytes = 1U << 20U;  ///< Of a message's parts, and of pongs.
 constexpr guint kPingS = 3;
 constexpr int kMaxSaid = 200;
 constexpr std::chrono::seconds kSameAgainAfter{1};
-constexpr gushort kTryAgainLater = 1013;
 
 }  // namespace
 
-DeviceLink::DeviceLink(SoupWebsocketConnection* connection, Inbox& inbox)
-    : connection_(SOUP_WEBSOCKET_CONNECTION(g_object_ref(connection))), inbox_(inbox) {
+DeviceLink::DeviceLink(SoupWebsocketConnection* connection, GSocket* socket, Inbox& inbox)
+    : connection_(SOUP_WEBSOCKET_CONNECTION(g_object_ref(connection))),
+      guard_(socket, kMaxMessageBytes + kMaxHeadBytes),
+      inbox_(inbox) {
   soup_websocket_connection_set_max_incoming_payload_size(connection, kMaxMessageBytes);
   soup_websocket_connection_set_keepalive_interval(connection, kPingS);
   g_signal_connect(
@@ -55,7 +57,7 @@ void DeviceLink::turn_away(SoupWebsocketConnection* connection, const std::strin
   const auto text = ClientChannels::status_json({StatusLevel::kError, why});
   soup_websocket_connection_send_text(connection, ClientChannels::greeting().front().c_str());
   soup_websocket_connection_send_text(connection, text.c_str());
-  soup_websocket_connection_close(connection, kTryAgainLater, why.c_str());
+  soup_websocket_connection_close(connection, SOUP_WEBSOCKET_CLOSE_POLICY_VIOLATION, why.c_str());
 }
 
 bool DeviceLink::is_open() const {
@@ -79,8 +81,13 @@ void DeviceLink::close(const std::string& why) {
       connection_.get(), SOUP_WEBSOCKET_CLOSE_POLICY_VIOLATION, why.c_str());
 }
 
+void DeviceLink::watch() {
+  if (is_open() && !guard_.check()) close("a message that has no end");
+}
+
 void DeviceLink::on_message(SoupWebsocketDataType type, GBytes* bytes) {
   last_heard_ = Clock::now();
+  guard_.on_message();
   gsize size = 0;
   const auto* data = static_cast<const std::byte*>(g_bytes_get_data(bytes, &size));
   if (type == SOUP_WEBSOCKET_DATA_BINARY) return take({data, size});

@@ -8,6 +8,7 @@
 #include <libsoup/soup.h>
 
 #include "morgagni/camera/internal/push/inbox.h"
+#include "morgagni/camera/internal/push/message_guard.h"
 #include "morgagni/core/glib_handles.h"
 
 namespace mor::internal::push {
@@ -15,12 +16,12 @@ namespace mor::internal::push {
 /// The device that pushes: its WebSocket, its channels, and what it is answered. The loop's alone.
 class DeviceLink {
  public:
-  DeviceLink(SoupWebsocketConnection* connection, Inbox& inbox);
+  DeviceLink(SoupWebsocketConnection* connection, GSocket* socket, Inbox& inbox);
   ~DeviceLink();
   DeviceLink(const DeviceLink&) = delete;
   DeviceLink& operator=(const DeviceLink&) = delete;
 
-  /// Says why, and closes: try again later.
+  /// Says why, and closes.
   static void turn_away(SoupWebsocketConnection* connection, const std::string& why);
 
   [[nodiscard]] bool is_open() const;
@@ -29,12 +30,15 @@ class DeviceLink {
   /// The same sentence once a second at most. A device that is told too much is hung up on.
   void say(const Status& status);
   void close(const std::string& why);
+  /// To be called again and again: breaks off what is too long to be a message.
+  void watch();
 
  private:
   void on_message(SoupWebsocketDataType type, GBytes* bytes);
   void take(std::span<const std::byte> bytes);
 
   GObjectHandle<SoupWebsocketConnection> connection_;
+  MessageGuard guard_;
   Inbox& inbox_;
   ClientChannels channels_;
   std::chrono::steady_clock::time_point last_heard_ = std::chrono::steady_clock::now();

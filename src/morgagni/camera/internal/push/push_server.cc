@@ -22,6 +22,8 @@ constexpr int kMaxConnections = 16;
 /// A connection on which nothing comes for so long, not even the answer to a ping, is closed.
 constexpr guint kSilenceS = 10;
 constexpr std::chrono::seconds kYieldsAfter{1};
+constexpr std::chrono::milliseconds kWatchPeriod{20};
+constexpr std::uint64_t kMaxAfterRefusal = 1U << 16U;
 /// The first is current, the second came before; a client says which it speaks.
 const char* const kProtocols[] = {"foxglove.sdk.v1", "foxglove.websocket.v1", nullptr};
 
@@ -60,6 +62,20 @@ std::string token_of(SoupServerMessage* message, GHashTable* query) {
   return value != nullptr ? value : "";
 }
 
+/// The accepted connection, which libsoup wraps in a stream of its own.
+GObjectHandle<GSocketConnection> carrier_of(SoupWebsocketConnection* connection) {
+  auto* stream = soup_websocket_connection_get_io_stream(connection);
+  GObject* base = nullptr;
+  if (g_object_class_find_property(G_OBJECT_GET_CLASS(stream), "base-iostream") != nullptr) {
+    g_object_get(stream, "base-iostream", &base, nullptr);
+  }
+  if (base == nullptr || G_IS_SOCKET_CONNECTION(base)) {
+    return GObjectHandle<GSocketConnection>(reinterpret_cast<GSocketConnection*>(base));
+  }
+  g_object_unref(base);
+  return nullptr;
+}
+
 void refuse(SoupServerMessage* message, guint status, const std::string& sentence) {
   soup_server_message_set_status(message, status, nullptr);
   soup_server_message_set_response(
@@ -83,6 +99,7 @@ struct PushServer::Impl {
   void accept(GSocketConnection* connection);
   void judge(SoupServerMessage* message, GHashTable* query) const;
   void meet(SoupWebsocketConnection* connection);
+  void watch();
 
   PushServerOptions options;
   std::shared_ptr<Inbox> inbox;
@@ -93,6 +110,7 @@ struct PushServer::Impl {
   GObjectHandle<GSocketService> service;
   std::shared_ptr<void> places = std::make_shared<int>();  ///< Each connection holds it too.
   std::unique_ptr<DeviceLink> link;
+  std::vector<MessageGuard> turned_away;
 
   MainLoop loop;  ///< Ends first.
 };
@@ -208,13 +226,25 @@ void PushServer::Impl::judge(SoupServerMessage* message, GHashTable* query) cons
 }
 
 void PushServer::Impl::meet(SoupWebsocketConnection* connection) {
+  const auto carrier = carrier_of(connection);
+  if (!carrier) {
+    DeviceLink::turn_away(connection, "this connection is none that was accepted");
+    return;
+  }
+  auto* socket = g_socket_connection_get_socket(carrier.get());
   if (link && link->is_open() && Clock::now() - link->last_heard() < kYieldsAfter) {
     DeviceLink::turn_away(connection, "another device is sending: one at a time");
+    turned_away.emplace_back(socket, kMaxAfterRefusal);
     return;
   }
   if (link) link->close("another device has taken over");
   link.reset();  // It says that it went before the next says that it came.
-  link = std::make_unique<DeviceLink>(connection, *inbox);
+  link = std::make_unique<DeviceLink>(connection, socket, *inbox);
+}
+
+void PushServer::Impl::watch() {
+  if (link) link->watch();
+  std::erase_if(turned_away, [](MessageGuard& guard) { return !guard.check(); });
 }
 
 PushServer::PushServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -239,6 +269,7 @@ Result<std::unique_ptr<PushServer>> PushServer::start(const PushServerOptions& o
     made.address = is_v6 ? fmt::format("ws://[{}]:{}", options.host, *port)
                          : fmt::format("ws://{}:{}", options.host, *port);
     made.inbox = make_inbox(made.address);
+    made.loop.every(kWatchPeriod, [&made] { made.watch(); });
   });
   if (!port) return tl::unexpected<Error>(port.error());
   if (!is_loopback(options.host) && options.token.empty()) {

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Usage: node push_page_test.mjs MORGAGNI WEB_ROOT SCRATCH [FOLDER_FOR_SCREENSHOTS]
+// examples/push_page in a real Chromium pushes a recording to `serve`, which finds and tracks the body in it.
+
+import assert from 'node:assert/strict';
+import { execFileSync, spawn } from 'node:child_process';
+import { existsSync, mkdirSync, readFileSync, rmSync } from 'node:fs';
+import { createServer } from 'node:http';
+import { join } from 'node:path';
+import { createInterface } from 'node:readline';
+
+import { LivePage } from '../../web/tests/e2e/live_page.mjs';
+
+const [program, webRoot, scratch, shots] = process.argv.slice(2);
+const DEMO_PROJECT = '/usr/share/doc/invesalius-examples/examples/Cranium.inv3';
+if (!existsSync(DEMO_PROJECT)) {
+  console.log(`skipped: ${DEMO_PROJECT} is not installed (Debian package invesalius-examples)`);
+  process.exit(77);
+}
+
+rmSync(scratch, { recursive: true, force: true });
+mkdirSync(scratch, { recursive: true });
+const folder = process.env.MORGAGNI_CASE ?? join(scratch, 'case');
+const recording = join(scratch, 'recording');
+if (!existsSync(folder)) {
+  execFileSync('bash', ['-c', `. scripts/demo_ct.sh && make_demo_ct '${scratch}'`]);
+  execFileSync(program, ['prepare', join(scratch, 'head.mhd'), '--case', folder, '--vertices', '8000']);
+}
+execFileSync(program, ['record', '--case', folder, '--camera', 'simulated:seed=5,distance=450', '--frames', '40', '--out', recording]);
+
+const served = createServer((_, response) => {
+  response.setHeader('Content-Type', 'text/html');
+  response.end(readFileSync('examples/push_page/index.html'));
+}).listen(0, '127.0.0.1');
+const server = spawn(program, ['serve', '--case', folder, '--camera', 'push:0', '--port', '0', '--web', webRoot],
+  { stdio: ['ignore', 'pipe', 'pipe'] });
+const log = [];
+for (const stream of [server.stdout, server.stderr]) createInterface(stream).on('line', (line) => log.push(line));
+async function says(pattern, timeout_ms = 120000) {
+  const until = Date.now() + timeout_ms;
+  while (Date.now() < until) {
+    const found = log.map((line) => pattern.exec(line)).find(Boolean);
+    if (found) return found[0];
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
+  throw new Error(`morgagni never said ${pattern}:\n${log.join('\n')}`);
+}
+
+const pushed = await says(/ws:\/\/127\.0\.0\.1:\d+/);
+const device = await LivePage.open(`http://localhost:${served.address().port}/`, { width: 820, height: 1180 });
+await device.page.fill('#address', pushed);
+await device.page.setInputFiles('#folder', recording);
+await device.page.click('#start');
+const live = await LivePage.open(await says(/http:\/\/127\.0\.0\.1:\d+/), { width: 1180, height: 820 });
+await live.wait_for_picture(60000);
+await live.wait_for_state('tracking', 120000);
+assert.match(await device.page.textContent('#said'), /^\d+ frames pushed\.$/);
+const { bound_mm } = await live.status();
+if (shots) {
+  await device.screenshot(join(shots, 'push_page.png'));
+  await live.screenshot(join(shots, 'push_tracked.png'));
+}
+
+// The page is gone: said; and back: it goes on by itself.
+await device.page.click('#stop');
+await live.page.waitForFunction(() => JSON.stringify(window.morgagni.status).includes('no device is connected'), undefined, { timeout: 10000 });
+await device.page.click('#start');
+await live.wait_for_state('tracking', 60000);
+
+await device.close();
+await live.close();
+served.close();
+server.kill('SIGTERM');
+const code = await new Promise((resolve) => server.once('exit', resolve));
+assert.equal(code, 0, log.join('\n'));
+console.log(`tracked what a page pushed (bound ${bound_mm ?? 'none'} mm), and again after it had gone`);
