@@ -92,6 +92,9 @@ expect 1 "no such case folder" record --case "$scratch/missing" --out "$scratch/
 expect 1 "--case is needed" record --out "$scratch/r.mcap"
 expect 1 "nowhere.mcap" record --camera "mcap:$scratch/nowhere.mcap" --out "$scratch/r.mcap"
 expect 1 "camera 'webcam:' is unknown" record --camera webcam: --out "$scratch/r.mcap"
+expect 1 "nowhere.mcap" record --camera "mcap:$scratch/nowhere.mcap" --out "$scratch/r.mkv"
+expect 1 "needs a port" record --camera push: --out "$scratch/r.mcap"
+expect 1 "there is no /dev/no_video" record --camera v4l2:/dev/no_video --out "$scratch/r.mcap"
 expect 2 "--color" record --camera "mcap:$scratch/nowhere.mcap" --out "$scratch/r.mcap" --color gray
 [ ! -e "$scratch/case" ] || { echo "FAILED: a refused preparation left its folder"; failures=$((failures + 1)); }
 

@@ -11,6 +11,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
+#include "morgagni/camera/matroska_recorder.h"
 #include "morgagni/camera/open_camera.h"
 #include "morgagni/camera/recording_thread.h"
 #include "morgagni/camera/simulated_camera.h"
@@ -133,6 +134,23 @@ void record_tum(const Arguments& arguments,
              has_truth ? " with their true poses" : "");
 }
 
+void record_matroska(const Arguments& arguments, const Source& source, const StopSignals& signals) {
+  auto recorder = value_or_exit(MatroskaRecorder::create(arguments.out, arguments.color));
+  const auto progress = console_progress();
+  int num_frames = 0;
+  while (!arguments.num_frames || num_frames < *arguments.num_frames) {
+    const auto shot = value_or_exit(source(signals.token()));
+    if (!shot) break;
+    value_or_exit(recorder.add(*shot->frame));
+    ++num_frames;
+    if (arguments.num_frames) {
+      progress("record", static_cast<double>(num_frames) / *arguments.num_frames);
+    }
+  }
+  value_or_exit(recorder.finish());
+  fmt::print("{}: {} frames\n", arguments.out.string(), num_frames);
+}
+
 std::string to_text(const RecordingProgress& progress) {
   return fmt::format("{:.1f} s, {} frames, {:.1f} MB{}",
                      std::chrono::duration<double>(progress.duration).count(),
@@ -172,16 +190,17 @@ void record_mcap(const Arguments& arguments, const Source& source, const StopSig
 void record(Arguments arguments) {
   const bool is_simulated = arguments.camera.starts_with("simulated:");
   const bool is_mcap = arguments.out.extension() == ".mcap";
+  const bool is_matroska = arguments.out.extension() == ".mkv";
   if (arguments.folder.empty() && (is_simulated || arguments.num_targets > 0)) {
     value_or_exit(Result<void>(
         tl::unexpect,
         Error{ErrorCode::kInvalidArgument,
               "--case is needed: the simulated camera and --targets look at its skin"}));
   }
-  if (is_mcap && arguments.num_targets > 0) {
+  if ((is_mcap || is_matroska) && arguments.num_targets > 0) {
     value_or_exit(Result<void>(tl::unexpect,
                                Error{ErrorCode::kInvalidArgument,
-                                     "--targets go with a folder as --out, not with a .mcap"}));
+                                     "--targets go with a folder as --out, not with a file"}));
   }
   std::shared_ptr<const TriangleMesh> skin;
   if (!arguments.folder.empty()) {
@@ -194,6 +213,8 @@ void record(Arguments arguments) {
                                    : camera_source(arguments.camera, skin, signals.token());
   if (is_mcap) {
     record_mcap(arguments, source, signals);
+  } else if (is_matroska) {
+    record_matroska(arguments, source, signals);
   } else {
     record_tum(arguments, source, skin.get(), signals);
   }
@@ -213,8 +234,9 @@ void add_record_command(CLI::App& app) {
       ->add_option(
           "--out,--output",
           arguments->out,
-          "FILE.mcap, which Foxglove and ROS 2 open; any other name is a new folder in the "
-          "TUM layout, which keeps the simulated camera's true poses too")
+          "FILE.mcap, which Foxglove and ROS 2 open; FILE.mkv, which ffmpeg opens; any other name "
+          "is "
+          "a new folder in the TUM layout, which keeps the simulated camera's true poses too")
       ->required();
   command->add_option("--camera", arguments->camera, "As for `morgagni serve`")
       ->capture_default_str();
@@ -228,7 +250,7 @@ void add_record_command(CLI::App& app) {
       ->add_option(
           "--color",
           arguments->color,
-          "Of a .mcap: jpeg, or lossless (three to four times the size); depth keeps every "
+          "Of a .mcap or .mkv: jpeg, or lossless (three to four times the size); depth keeps every "
           "bit in both")
       ->transform(CLI::CheckedTransformer(kColors).description("jpeg or lossless"))
       ->default_str("jpeg");
@@ -255,6 +277,8 @@ void add_record_command(CLI::App& app) {
       "Examples:\n"
       "  morgagni record --case cases/head --camera simulated:seed=7 --frames 300 --out head.mcap\n"
       "  morgagni record --camera mcap:head.mcap,speed=full --out recordings/head    (to TUM)\n"
+      "  morgagni record --camera mcap:head.mcap,speed=full --out head.mkv           (to "
+      "Matroska)\n"
       "  morgagni record --case cases/head --camera simulated:path=views,clutter=hand,bias=3\n"
       "      --frames 100 --targets 16 --out recordings/head-views");
   command->callback([arguments] { record(*arguments); });

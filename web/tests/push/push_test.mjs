@@ -279,6 +279,35 @@ async function testVanishing() {
   assert.ok(said_ms < 1000, `said after ${said_ms} ms`);
 }
 
+/** A device that comes, sends and is gone without a word, again and again, leaves nothing behind. */
+async function testFiveHundredTimes() {
+  const recording = await Recording.start('often', 'push:0', 100000);
+  const threads = () => readdirSync(`/proc/${recording.process.pid}/task`).length;
+  const once_there = async () => {
+    for (;;) {
+      const device = await Device.connect(recording.address);
+      describe(device);
+      const ns = wall_ns();
+      pushPlainDepth(device, ns, 0);
+      pushColor(device, ns, 0);
+      await sleep(2);
+      // Where the one before has not been missed yet, it is turned away and tries again.
+      if (device.statuses.length === 0) return device.vanish();
+      device.vanish();
+      await sleep(50);
+    }
+  };
+  for (let i = 0; i < 50; ++i) await once_there();
+  const before = { files: recording.files(), threads: threads(), kib: recording.memory_kib() };
+  for (let i = 0; i < 450; ++i) await once_there();
+  await sleep(1000);
+  const after = { files: recording.files(), threads: threads(), kib: recording.memory_kib() };
+  console.log(`500 devices: ${JSON.stringify(before)} -> ${JSON.stringify(after)}`);
+  assert.ok(after.files <= before.files && after.threads <= before.threads);
+  assert.ok(after.kib - before.kib < 8192, 'memory grows');
+  await recording.stop();
+}
+
 /** Many connections, half-open ones, too much in one message and in many parts: bounded, and still there after. */
 async function testFlood() {
   const recording = await Recording.start('flood', 'push:0', 2);
@@ -324,7 +353,7 @@ async function testFlood() {
 }
 
 try {
-  const tests = { testStockClient, testPythonExample, testWhatIsRefused, testToken, testVanishing, testFlood };
+  const tests = { testStockClient, testPythonExample, testWhatIsRefused, testToken, testVanishing, testFiveHundredTimes, testFlood };
   for (const [name, test] of Object.entries(tests)) {
     await Promise.race([test(), sleep(90000).then(() => Promise.reject(new Error(`${name} takes too long`)))]);
     console.log(`ok ${name}`);
