@@ -25,6 +25,7 @@ constexpr std::size_t kPreambleBytes = 128;
 constexpr std::size_t kMaxItems = 200000;  ///< Ten times the frames of the largest CT.
 
 constexpr std::array kWanted = {Tag::kReferencedFileId,
+                                Tag::kFrameOfReferenceUid,
                                 Tag::kDirectoryRecords,
                                 Tag::kImageType,
                                 Tag::kSopInstanceUid,

@@ -32,6 +32,7 @@ enum class Tag : std::uint32_t {
   kOrientation = 0x0020'0037,
   kPlanePositions = 0x0020'9113,
   kPlaneOrientations = 0x0020'9116,
+  kFrameOfReferenceUid = 0x0020'0052,
   kSamplesPerPixel = 0x0028'0002,
   kNumFrames = 0x0028'0008,
   kRows = 0x0028'0010,

@@ -102,6 +102,7 @@ DicomSlice what_all_share(const DicomDataSet& data) {
   DicomSlice slice;
   slice.sop_instance_uid = data.text(Tag::kSopInstanceUid);
   slice.series_uid = data.text(Tag::kSeriesUid);
+  slice.frame_of_reference_uid = data.text(Tag::kFrameOfReferenceUid);
   slice.series_description = data.text(Tag::kSeriesDescription);
   slice.patient_id = data.text(Tag::kPatientId);
   slice.patient_position = data.text(Tag::kPatientPosition);

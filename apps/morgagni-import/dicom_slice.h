@@ -34,6 +34,7 @@ struct DicomSlice {
   int num_frames = 1;
   std::string sop_instance_uid;
   std::string series_uid;
+  std::string frame_of_reference_uid;
   std::string series_description;
   std::string patient_id;
   std::string patient_position;  ///< "HFS", "FFP" ...: told to people, never reckoned with.

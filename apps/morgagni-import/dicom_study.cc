@@ -106,7 +106,8 @@ Result<void> list_dicom_series(const fs::path& path) {
                 .columns = first.columns,
                 .rows = first.rows,
                 .min_gap_mm = shape.min_gap_mm,
-                .max_gap_mm = shape.max_gap_mm});
+                .max_gap_mm = shape.max_gap_mm,
+                .frame_of_reference_uid = first.frame_of_reference_uid});
   }
   return {};
 }

@@ -57,7 +57,8 @@ void say_series(const CtSeries& series) {
                             std::to_string(series.columns),
                             std::to_string(series.rows),
                             std::to_string(series.min_gap_mm),
-                            std::to_string(series.max_gap_mm)}) {
+                            std::to_string(series.max_gap_mm),
+                            series.frame_of_reference_uid}) {
     constexpr std::size_t kMaxFieldBytes = 128;
     field.resize(std::min(field.size(), kMaxFieldBytes));
     std::replace(field.begin(), field.end(), '\t', ' ');

@@ -17,6 +17,7 @@ struct CtSeries {
   int rows = 0;
   double min_gap_mm = 0.0;  ///< Between neighbouring slices.
   double max_gap_mm = 0.0;
+  std::string frame_of_reference_uid;  ///< Series of one share their coordinates.
 };
 
 }  // namespace mor

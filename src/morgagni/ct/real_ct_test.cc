@@ -16,8 +16,11 @@
 #include "morgagni/ct/internal/dual_mesh.h"
 #include "morgagni/ct/internal/marching_cubes.h"
 #include "morgagni/ct/internal/triangle_grid.h"
+#include "morgagni/ct/internal/volume_sample.h"
+#include "morgagni/ct/join_volumes.h"
 #include "morgagni/ct/mesh_quality.h"
 #include "morgagni/ct/surfaces.h"
+#include "morgagni/ct/volume_alignment.h"
 #include "morgagni/ct/volume_import.h"
 #include "morgagni/geometry/kd_tree.h"
 #include "morgagni/geometry/rigid.h"
@@ -223,6 +226,106 @@ TEST(RealCt, AnEarAgainstAHeadrestStaysAndTheHeadrestGoes) {
   EXPECT_LE(at(gained, 0.95), 1.0);
   EXPECT_LE(lost.back(), 3.0);
   EXPECT_LE(gained.back(), 3.0);
+}
+
+/// The upper chest as another scan would give it: turned and shifted, thicker slices, a softer
+/// kernel, the table 10 mm lower, its own grid.
+Volume scanned_again(const Volume& chest,
+                     const internal::BitMask& body,
+                     int first_slice,
+                     const Eigen::Isometry3d& scanner_from_chest) {
+  Volume scan;
+  scan.spacing_mm = {0.9, 0.9, 3.0};
+  const Eigen::Vector3d corner_mm(10.0, 10.0, first_slice * chest.spacing_mm.z());
+  const Eigen::Isometry3d grid_from_chest = chest.ct_from_grid.inverse();
+  scan.ct_from_grid.translation() = scanner_from_chest * (chest.ct_from_grid * corner_mm);
+  scan.size = {
+      420, 420, static_cast<int>((chest.size[2] - 1 - first_slice) * chest.spacing_mm.z() / 3.0)};
+  const Eigen::Isometry3d chest_from_scanner = scanner_from_chest.inverse();
+  const auto is_in = [&](const Eigen::Vector3d& chest_grid_mm) {
+    const Eigen::Vector3i voxel =
+        chest_grid_mm.cwiseQuotient(chest.spacing_mm).array().round().cast<int>();
+    return voxel.minCoeff() >= 0 && voxel.x() < chest.size[0] && voxel.y() < chest.size[1] &&
+           voxel.z() < chest.size[2] && body.test(voxel.x(), voxel.y(), voxel.z());
+  };
+  for (int z = 0; z < scan.size[2]; ++z) {
+    for (int y = 0; y < scan.size[1]; ++y) {
+      for (int x = 0; x < scan.size[0]; ++x) {
+        const Eigen::Vector3d mm = Eigen::Vector3d(x, y, z).cwiseProduct(scan.spacing_mm);
+        const Eigen::Vector3d at =
+            grid_from_chest * (chest_from_scanner * (scan.ct_from_grid * mm));
+        const bool is_body = is_in(at);
+        // Beside the body lies what lay 10 mm above: table and air, but no second skin.
+        const Eigen::Vector3d from = is_body ? at : Eigen::Vector3d(at - Eigen::Vector3d(0, 10, 0));
+        double sum = 0.0;
+        for (const double dx : {-0.6, 0.6}) {
+          for (const double dy : {-0.6, 0.6}) {
+            const Eigen::Vector3d place = from + Eigen::Vector3d(dx, dy, 0.0);
+            const bool is_seen = is_body || !is_in(place);
+            sum += is_seen ? internal::sampled_hu(chest, place).value_or(-1000.0) : -1000.0;
+          }
+        }
+        scan.hu.push_back(static_cast<std::int16_t>(std::lround(sum / 4.0)));
+      }
+    }
+  }
+  return scan;
+}
+
+/// Cut in two that overlap, the upper half changed as a second scan changes it, joined by what both
+/// show: where the upper half lies and its skin, against the CT in one piece.
+TEST(RealCt, AChestInTwoSeriesIsJoinedAgain) {
+  const std::string archive = "ct_chest_lidc0314/lidc0314_138x2mm_dicom.tar.xz";
+  if (!fs::exists(data(archive))) GTEST_SKIP() << "no " << archive;
+  const Unpacked folder(archive);
+  const Volume chest = import_volume(folder.folder(), {}, {}).value();
+  const auto body = internal::body_mask(chest, {}, {}).value().body;
+  Volume lower = chest;
+  lower.size[2] = 85;
+  lower.hu.resize(chest.index(0, 0, 85));
+  Eigen::Isometry3d scanner_from_chest = Eigen::Isometry3d::Identity();
+  scanner_from_chest.linear() =
+      Eigen::AngleAxisd(0.05, Eigen::Vector3d(0.2, 0.1, 1.0).normalized()).toRotationMatrix();
+  scanner_from_chest.translation() = Eigen::Vector3d(15.0, -20.0, 600.0);
+  const Volume upper = scanned_again(chest, body, 60, scanner_from_chest);
+  const auto aligned = align_volumes(lower, upper, {});
+  ASSERT_TRUE(aligned) << aligned.error().message;
+  const auto& quality = aligned->quality;
+  double worst_mm = 0.0;
+  for (const int z : {60, 137}) {
+    for (const int x : {100, 400}) {
+      const Eigen::Vector3d place =
+          chest.ct_from_grid * Eigen::Vector3d(x, 250, z).cwiseProduct(chest.spacing_mm);
+      worst_mm = std::max(
+          worst_mm, (aligned->first_from_second * (scanner_from_chest * place) - place).norm());
+    }
+  }
+  const Volume joined = join_volumes(lower, upper, aligned->first_from_second, {}).value();
+  const auto joined_body = internal::body_mask(joined, {}, {}).value().body;
+  const auto truth = internal::marching_cubes(chest, body, -300.0);
+  const auto skin = internal::marching_cubes(joined, joined_body, -300.0);
+  const internal::TriangleGrid grid(truth);
+  // Only where the upper half alone shows it, and not at its cut ends and sides.
+  const double from_z = (chest.ct_from_grid * Eigen::Vector3d(0, 0, 90 * 2.0)).z();
+  const double to_z = (chest.ct_from_grid * Eigen::Vector3d(0, 0, 125 * 2.0)).z();
+  std::vector<double> distances;
+  for (std::size_t i = 0; i < skin.vertices.size(); i += 41) {
+    const auto& place = skin.vertices[i];
+    if (place.z() > from_z && place.z() < to_z && std::abs(place.x()) < 150.0F)
+      distances.push_back(grid.distance_mm(place));
+  }
+  ASSERT_GT(distances.size(), 1000U);
+  std::sort(distances.begin(), distances.end());
+  std::cout << "joined chest: " << quality.overlap_mm << " mm in common, correlation "
+            << quality.correlation << ", pieces off by " << quality.median_offset_mm << " / "
+            << quality.p90_offset_mm << " mm, HU " << quality.hu_difference
+            << "; upper half put wrong by " << worst_mm << " mm at most; skin off by "
+            << distances[distances.size() / 2] << " mm in the middle, "
+            << distances[distances.size() * 95 / 100] << " mm at 95 %\n";
+  EXPECT_LT(worst_mm, 1.0);
+  EXPECT_LT(quality.median_offset_mm, 0.7);
+  EXPECT_LT(distances[distances.size() / 2], 0.5);
+  EXPECT_LT(distances[distances.size() * 95 / 100], 1.5);
 }
 
 TEST(RealCt, TiltedHeadComesOutUpright) {

@@ -7,6 +7,7 @@
 
 #include "morgagni/ct/import_protocol.h"
 #include "morgagni/ct/internal/import_process.h"
+#include "morgagni/ct/internal/series_join.h"
 #include "morgagni/ct/label_map.h"
 
 namespace mor {
@@ -26,6 +27,7 @@ Result<std::filesystem::path> program_for(const std::filesystem::path& path) {
 Result<Volume> import_volume(const std::filesystem::path& path,
                              const ImportOptions& options,
                              const Progress& progress) {
+  if (!options.join.empty()) return internal::import_joined(path, options, progress);
   MOR_TRY(const auto program, program_for(path));
   return internal::run_import_process(
       program, {kReadVolumeTask, path, options.series}, kTimeLimit, progress);

@@ -17,6 +17,10 @@ struct ImportOptions {
   /// Of a study with several: a series' number in list_ct_series() (from 1), its UID or its
   /// description. Empty: the only one.
   std::string series;
+  /// Further series of the same body, named alike, that are joined with it into one volume.
+  std::vector<std::string> join = {};
+  /// Series are put together by what both show; without it only by coordinates that they share.
+  bool align = false;
 };
 
 /// Reads a CT: a DICOM series (a folder with sub-folders, a DICOMDIR, a .zip or a multi-frame

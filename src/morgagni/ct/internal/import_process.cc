@@ -91,7 +91,7 @@ std::optional<CtSeries> series_of(std::string_view text) {
   for (std::size_t end; (end = text.find('\t')) != std::string_view::npos;
        text.remove_prefix(end + 1))
     fields.emplace_back(text.substr(0, end));
-  constexpr std::size_t kNumFields = 9;
+  constexpr std::size_t kNumFields = 10;
   if (fields.size() != kNumFields) return std::nullopt;
   CtSeries series;
   series.uid = fields[0];
@@ -103,6 +103,7 @@ std::optional<CtSeries> series_of(std::string_view text) {
   series.rows = number_of<int>(fields[6]);
   series.min_gap_mm = number_of<double>(fields[7]);
   series.max_gap_mm = number_of<double>(fields[8]);
+  series.frame_of_reference_uid = fields[9];
   return series;
 }
 

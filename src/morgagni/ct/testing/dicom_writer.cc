@@ -133,6 +133,7 @@ std::string slice_file(const SliceText& slice) {
   out.text(0x0020'000e, "UI", slice.series_uid);
   out.text(0x0020'0011, "IS", std::to_string(slice.series_number));
   out.text(0x0020'0012, "IS", std::to_string(slice.acquisition_number));
+  out.text(0x0020'0052, "UI", slice.frame_of_reference_uid);
   if (slice.has_position) {
     const auto& p = slice.position_mm;
     const auto& a = slice.along_row;

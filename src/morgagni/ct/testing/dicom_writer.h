@@ -51,6 +51,7 @@ struct SliceText {
   std::string image_type = "ORIGINAL\\PRIMARY\\AXIAL";
   std::string series_uid = "1.2.3";
   std::string series_description = "made";
+  std::string frame_of_reference_uid = "1.2.840.99";
   std::string sop_instance_uid = {};  ///< Empty: of its own place.
   std::string patient_position = "HFS";
   int series_number = 1;
