@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/casefile/added_cts.h"
 #include "morgagni/casefile/case.h"
 #include "morgagni/core/progress.h"
 #include "morgagni/documentation/viewer.h"
@@ -24,6 +25,7 @@ namespace {
 
 struct Arguments {
   std::filesystem::path folder;
+  std::string ct;
   std::filesystem::path output;
   std::filesystem::path web;
   std::vector<std::string> formats;
@@ -60,7 +62,8 @@ void document(Arguments& arguments) {
   arguments.options.viewer_template = web / kViewerFile;
   value_or_exit(arguments.options.check());
   const StopSignals signals;
-  const auto body = value_or_exit(load_case(arguments.folder));
+  const auto body =
+      value_or_exit(load_case(value_or_exit(find_ct(arguments.folder, arguments.ct))));
   const auto made = value_or_exit(document_case(
       body, arguments.output, arguments.options, console_progress(), signals.token()));
   for (const auto& file : made.files)
@@ -80,6 +83,8 @@ void add_document_command(CLI::App& app) {
       "document", "Take a case away: models, a viewer for any browser, a report");
   command->add_option("--case", arguments->folder, "Folder that `morgagni prepare` made")
       ->required();
+  command->add_option(
+      "--ct", arguments->ct, "Of a case with several CTs: which (default: the first)");
   command->add_option(
       "--output",
       arguments->output,

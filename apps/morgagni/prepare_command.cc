@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -11,6 +12,8 @@
 #include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/casefile/added_cts.h"
+#include "morgagni/casefile/case.h"
 #include "morgagni/casefile/prepare.h"
 #include "morgagni/core/files.h"
 #include "morgagni/core/image_png.h"
@@ -31,6 +34,7 @@ const std::map<std::string, MeshFrame> kFrames = {{"lps", MeshFrame::kLps},
 struct Arguments {
   std::filesystem::path ct;
   std::filesystem::path folder;
+  std::string add;
   std::filesystem::path preview;
   bool list_series = false;
   bool check = false;
@@ -42,19 +46,26 @@ struct Arguments {
 
 void list_series(const std::filesystem::path& ct) {
   const auto all = value_or_exit(list_ct_series(ct, {}));
+  std::vector<std::string> frames;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const auto& series = all[i];
-    fmt::print("{}  \"{}\"  {} slices of {}x{}, {:.2f} to {:.2f} mm apart, {}, patient {}, {}\n",
-               i + 1,
-               series.description,
-               series.num_slices,
-               series.columns,
-               series.rows,
-               series.min_gap_mm,
-               series.max_gap_mm,
-               series.patient_position.empty() ? "no position" : series.patient_position,
-               series.patient_id,
-               series.uid);
+    auto frame = std::find(frames.begin(), frames.end(), series.frame_of_reference_uid);
+    if (frame == frames.end()) frame = frames.insert(frame, series.frame_of_reference_uid);
+    fmt::print(
+        "{}  \"{}\"  {} slices of {}x{}, {:.2f} to {:.2f} mm apart, {}, coordinates {}, patient "
+        "{}, "
+        "{}\n",
+        i + 1,
+        series.description,
+        series.num_slices,
+        series.columns,
+        series.rows,
+        series.min_gap_mm,
+        series.max_gap_mm,
+        series.patient_position.empty() ? "no position" : series.patient_position,
+        static_cast<char>('A' + std::min<std::ptrdiff_t>(frame - frames.begin(), 25)),
+        series.patient_id,
+        series.uid);
   }
 }
 
@@ -139,6 +150,15 @@ Eigen::Vector3d place_option(const std::string& name, const std::string& text) {
                  fmt::format("{} must be X,Y,Z in mm (LPS), got \"{}\"", name, text))));
 }
 
+/// Of a further CT of a case that is there.
+std::filesystem::path folder_to_add(const Arguments& arguments) {
+  value_or_exit(load_case(arguments.folder));
+  const auto folder = value_or_exit(ct_folder(arguments.folder, arguments.add));
+  std::error_code status;
+  std::filesystem::create_directory(folder.parent_path(), status);
+  return folder;
+}
+
 void run(Arguments& arguments, bool has_folder) {
   auto& skin = arguments.options.skin;
   for (const auto& text : arguments.keep) skin.keep_mm.push_back(place_option("--keep", text));
@@ -146,6 +166,7 @@ void run(Arguments& arguments, bool has_folder) {
   if (arguments.list_series) return list_series(arguments.ct);
   if (!arguments.preview.empty()) return preview(arguments);
   if (!has_folder) throw CLI::RequiredError("--case");
+  if (!arguments.add.empty()) arguments.folder = folder_to_add(arguments);
   if (arguments.check) return check(arguments);
   prepare(arguments);
 }
@@ -166,11 +187,32 @@ void add_prepare_command(CLI::App& app) {
   auto* folder = command->add_option(
       "--case", arguments->folder, "Folder of the case; replaced if it is one already");
   command
-      ->add_option("--series",
-                   arguments->options.ct.series,
-                   "Of several DICOM series: number in the list, UID or description")
-      ->excludes(command->add_flag(
-          "--list-series", arguments->list_series, "List the DICOM series and stop"));
+      ->add_option(
+          "--add",
+          arguments->add,
+          "Add the CT to the case under this name, beside its first one (another part of the "
+          "body, before an intervention): `serve --ct NAME` shows it")
+      ->needs(folder);
+  auto* series =
+      command->add_option("--series",
+                          arguments->options.ct.series,
+                          "Of several DICOM series: number in the list, UID or description");
+  series->excludes(
+      command->add_flag("--list-series", arguments->list_series, "List the DICOM series and stop"));
+  command
+      ->add_option(
+          "--join",
+          arguments->options.ct.join,
+          "With --series: a further series of the same body that overlaps it, joined with it "
+          "by their coordinates; may be given several times")
+      ->expected(1)
+      ->take_all()
+      ->needs(series);
+  command->add_flag(
+      "--align-series",
+      arguments->options.ct.align,
+      "Join series by what both show (shifted table, feet first, turned over); refused "
+      "where they do not fit");
   command
       ->add_option(
           "--labels",
@@ -242,7 +284,9 @@ void add_prepare_command(CLI::App& app) {
       "Examples:\n"
       "  morgagni prepare /media/cd/DICOM --list-series\n"
       "  morgagni prepare /media/cd/DICOM --series 2 --case cases/0815\n"
+      "  morgagni prepare /media/cd/DICOM --series head --join torso --case cases/0815\n"
       "  morgagni prepare /media/cd/DICOM --case cases/0815 --check\n"
+      "  morgagni prepare before.nii.gz --case cases/0815 --add before\n"
       "  morgagni prepare head.nii.gz --preview body.png --threshold-hu -250\n"
       "  morgagni prepare chest.nii.gz --case cases/chest --labels organs.nii.gz "
       "--total-segmentator\n"

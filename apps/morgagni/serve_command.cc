@@ -1,15 +1,21 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <condition_variable>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
 #include <string>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
 #include "morgagni/camera/open_camera.h"
+#include "morgagni/casefile/added_cts.h"
 #include "morgagni/casefile/case.h"
 #include "morgagni/core/log.h"
 #include "morgagni/session/live_session.h"
@@ -24,6 +30,7 @@ namespace {
 
 struct Arguments {
   std::filesystem::path folder;
+  std::string ct;
   std::string camera = "simulated:";
   std::string side = "anterior";
   int lost_after_ms = 500;
@@ -35,6 +42,51 @@ const std::map<std::string, TrackingGate> kGates = {{"evidence", TrackingGate::k
 const std::map<std::string, StartMethod> kStarts = {{"automatic", StartMethod::kAutomatic},
                                                     {"placement", StartMethod::kPlacement}};
 
+/// The CT that a page asks for, until then or a stop.
+class NextCt {
+ public:
+  void ask(const std::string& name) {
+    const std::scoped_lock lock(mutex_);
+    name_ = name;
+    asked_.notify_all();
+  }
+  /// Until one is asked for, which take() then gives.
+  void wait_for_it(const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    asked_.wait(lock, stop, [&] { return name_.has_value(); });
+  }
+  /// None: it was a stop.
+  std::optional<std::string> take() {
+    const std::scoped_lock lock(mutex_);
+    return std::exchange(name_, std::nullopt);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable_any asked_;
+  std::optional<std::string> name_;
+};
+
+/// One CT of the case, until another one is asked for.
+void serve_ct(Arguments& arguments,
+              const std::string& ct,
+              NextCt& next,
+              const std::stop_token& stop) {
+  auto& options = arguments.options;
+  options.cts = {added_cts(arguments.folder), ct, [&next](const auto& name) { next.ask(name); }};
+  auto body = value_or_exit(load_case(value_or_exit(find_ct(arguments.folder, ct))));
+  const auto skin = std::shared_ptr<const TriangleMesh>(body.skin, &body.skin->mesh);
+  auto camera = value_or_exit(open_camera(arguments.camera, skin, stop));
+  const auto name = body.name;
+  const auto session =
+      value_or_exit(LiveSession::start(std::move(body), std::move(camera), options));
+  options.server.port = session->port();  // Pages find the next CT where they found this one.
+  fmt::print(
+      "Case {} is live at http://127.0.0.1:{}/  (stop with Ctrl-C)\n", name, session->port());
+  std::fflush(stdout);
+  next.wait_for_it(stop);
+}
+
 void serve(Arguments& arguments) {
   auto& options = arguments.options;
   options.camera_name = arguments.camera;
@@ -44,16 +96,9 @@ void serve(Arguments& arguments) {
   options.loop.tracking.lost_after = std::chrono::milliseconds(arguments.lost_after_ms);
   if (options.server.web_root.empty()) options.server.web_root = default_web_root();
   const StopSignals signals;
-  auto body = value_or_exit(load_case(arguments.folder));
-  const auto skin = std::shared_ptr<const TriangleMesh>(body.skin, &body.skin->mesh);
-  auto camera = value_or_exit(open_camera(arguments.camera, skin, signals.token()));
-  const auto name = body.name;
-  const auto session =
-      value_or_exit(LiveSession::start(std::move(body), std::move(camera), options));
-  fmt::print(
-      "Case {} is live at http://127.0.0.1:{}/  (stop with Ctrl-C)\n", name, session->port());
-  std::fflush(stdout);
-  signals.wait();
+  NextCt next;
+  for (std::optional<std::string> ct = arguments.ct; ct; ct = next.take())
+    serve_ct(arguments, *ct, next, signals.token());
   log::info("stopping");
 }
 
@@ -66,6 +111,8 @@ void add_serve_command(CLI::App& app) {
   auto& server = arguments->options.server;
   command->add_option("--case", arguments->folder, "Folder that `morgagni prepare` made")
       ->required();
+  command->add_option(
+      "--ct", arguments->ct, "Of a case with several CTs: which (default: the first)");
   command
       ->add_option("--camera",
                    arguments->camera,

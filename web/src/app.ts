@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 import { api, listenToStatus, type CaseInfo, type Status, type View } from './api';
 import { Controls } from './controls';
+import { CtChooser } from './ct_chooser';
 import { DocumentsPanel } from './documents_panel';
 import { h, setText } from './dom';
 import { FindingsPanel } from './findings_panel';
@@ -48,6 +49,7 @@ export class App {
   private readonly live = new LiveVideo(this.stage.video);
   private readonly figures = new StatusPanel();
   private readonly caseName = h('span', { class: 'case-name' });
+  private readonly cts = new CtChooser(this.toast.sayError);
   private readonly sender = new ViewSender((change) => api.setView(change), this.toast.sayError);
   private readonly placement = new PlacementPanel(() => this.closePlacement(), this.toast);
   private readonly landmarks = new LandmarkPanel(this.stage, this.toast, () => this.setMode('live'));
@@ -81,7 +83,7 @@ export class App {
   constructor() {
     this.element = h('main', { class: 'app live' },
       h('header', { class: 'top' },
-        h('h1', {}, 'Morgagni'), this.caseName, this.figures.state,
+        h('h1', {}, 'Morgagni'), this.caseName, this.cts.element, this.figures.state,
         h('span', { class: 'notice' }, 'Not a medical device')),
       this.landmarks.skin.element,
       this.stage.element,
@@ -121,6 +123,7 @@ export class App {
   start(): void {
     void this.live.connect();
     void this.loadCase();
+    void this.cts.load();
     listenToStatus((status) => this.showStatus(status));
     setInterval(() => this.refresh(), REFRESH_MS);
     this.refresh();

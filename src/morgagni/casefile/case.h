@@ -25,7 +25,7 @@ struct Structure {
 
 /// A prepared case: what the live part needs of one body.
 struct Case {
-  std::string name;                                        ///< The folder's name.
+  std::string name;                                        ///< Of the folder: case_title().
   std::filesystem::path folder;                            ///< Where it was loaded from.
   std::string ct_description;                              ///< What the CT said of itself.
   std::string ct_voxels_sha256;                            ///< Which CT it is.

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <system_error>
+#include <vector>
 
 #include <spdlog/fmt/fmt.h>
+
+#include "morgagni/casefile/added_cts.h"
 
 namespace mor {
 namespace {
@@ -44,7 +47,9 @@ bool has_kept_files(const fs::path& case_folder) {
 }
 
 Result<void> carry_over_kept_folders(const fs::path& from_case, const fs::path& to_case) {
-  for (const char* const name : kKeptFolders) {
+  std::vector<const char*> names(kKeptFolders.begin(), kKeptFolders.end());
+  names.push_back(kAddedCtsFolder);
+  for (const char* const name : names) {
     const fs::directory_entry top(from_case / name);
     std::error_code status;
     if (!fs::exists(top.symlink_status(status))) continue;

@@ -16,8 +16,9 @@ inline constexpr std::array<const char*, 6> kKeptFolders{
 /// Whether people made anything in this case.
 [[nodiscard]] bool has_kept_files(const std::filesystem::path& case_folder);
 
-/// Puts the kept folders of one case into another, file by file, without taking them from the
-/// first: as hard links where the file system has them, else as copies. Links stay links.
+/// Puts the kept folders of one case, and the CTs that were added to it, into another, file by
+/// file, without taking them from the first: as hard links where the file system has them, else as
+/// copies. Links stay links.
 /// @errors kIo: which file, and why.
 [[nodiscard]] Result<void> carry_over_kept_folders(const std::filesystem::path& from_case,
                                                    const std::filesystem::path& to_case);

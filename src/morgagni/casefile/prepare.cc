@@ -4,12 +4,12 @@
 
 #include <chrono>
 #include <map>
-#include <optional>
 #include <string>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/casefile/added_cts.h"
 #include "morgagni/casefile/case.h"
 #include "morgagni/casefile/internal/case_format.h"
 #include "morgagni/casefile/internal/structures.h"
@@ -78,7 +78,9 @@ Json to_json(const PrepareOptions& options) {
            {{"num_triangles", options.labels.num_triangles},
             {"min_volume_mm3", options.labels.min_volume_mm3},
             {"total_segmentator", options.total_segmentator}}},
-          {"series", options.ct.series}};
+          {"series", options.ct.series},
+          {"join", options.ct.join},
+          {"align_series", options.ct.align}};
 }
 
 Eigen::Vector3d center_mm(const Volume& volume) {
@@ -141,16 +143,26 @@ Result<void> check_kept(const fs::path& folder, const Json& ct) {
                   fmt::join(kKeptFolders, ", ")));
 }
 
-/// Nobody writes into the case while it is exchanged. None: there is no case yet.
-Result<std::optional<FolderLock>> lock_case(const fs::path& folder) {
-  std::error_code status;
-  if (!fs::is_directory(folder, status)) return std::nullopt;
-  MOR_TRY(auto lock,
-          FolderLock::take(folder,
-                           FolderLock::Kind::kExclusive,
-                           fmt::format("{} is in use by another Morgagni: stop that one first",
-                                       folder.string())));
-  return std::optional(std::move(lock));
+/// Nobody writes into the case, or a CT that was added to it, while it is exchanged; and the case
+/// that a CT is added to stays where it is.
+Result<std::vector<FolderLock>> lock_case(const fs::path& folder) {
+  const auto busy = [](const fs::path& where) {
+    return fmt::format("{} is in use by another Morgagni: stop that one first", where.string());
+  };
+  std::vector<FolderLock> locks;
+  if (const fs::path case_folder = case_of_added_ct(folder); !case_folder.empty()) {
+    MOR_TRY(auto lock, FolderLock::take(case_folder, FolderLock::Kind::kShared, busy(case_folder)));
+    locks.push_back(std::move(lock));
+  }
+  std::vector<fs::path> exchanged = {folder};
+  for (const auto& name : added_cts(folder)) exchanged.push_back(folder / kAddedCtsFolder / name);
+  for (const auto& path : exchanged) {
+    std::error_code status;
+    if (!fs::is_directory(path, status)) continue;
+    MOR_TRY(auto lock, FolderLock::take(path, FolderLock::Kind::kExclusive, busy(path)));
+    locks.push_back(std::move(lock));
+  }
+  return locks;
 }
 
 Result<Json> hashes(const fs::path& folder) {
@@ -239,14 +251,13 @@ Result<PrepareSummary> prepare_locked(const Volume& volume,
 
   progress("write case", 0.0);
   MOR_TRY(auto pending, PendingFolder::create(folder));
-  Json document = {
-      {"format", internal::kCaseFormat},
-      {"name", fs::absolute(folder / "").lexically_normal().parent_path().filename().string()},
-      {"made_by", fmt::format("Morgagni {}", kVersion)},
-      {"made_at", utc_text()},
-      {"ct", ct_identity},
-      {"options", to_json(options)},
-      {"cut", to_json(summary.cut)}};
+  Json document = {{"format", internal::kCaseFormat},
+                   {"name", case_title(folder)},
+                   {"made_by", fmt::format("Morgagni {}", kVersion)},
+                   {"made_at", utc_text()},
+                   {"ct", ct_identity},
+                   {"options", to_json(options)},
+                   {"cut", to_json(summary.cut)}};
   MOR_CHECK(write_case(pending.path(), prepared, document));
   progress("write case", 0.8);
   MOR_CHECK(carry_over_kept_folders(folder, pending.path()));
@@ -269,7 +280,7 @@ Result<void> PrepareOptions::check() const {
 
 Result<void> check_case_folder(const fs::path& folder) {
   MOR_CHECK(check_target(folder));
-  MOR_TRY(const auto lock, lock_case(folder));
+  MOR_TRY(const auto locks, lock_case(folder));
   return {};
 }
 
@@ -279,7 +290,7 @@ Result<PrepareSummary> prepare_case(const fs::path& ct,
                                     const Progress& progress) {
   MOR_CHECK(options.check());
   MOR_CHECK(check_target(folder));
-  MOR_TRY(const auto lock, lock_case(folder));
+  MOR_TRY(const auto locks, lock_case(folder));
   const auto started = Clock::now();
   MOR_TRY(const Volume volume, import_volume(ct, options.ct, progress));
   const double reading_seconds = seconds_between(started, Clock::now());
@@ -295,7 +306,7 @@ Result<PrepareSummary> prepare_case(const Volume& volume,
                                     const Progress& progress) {
   MOR_CHECK(options.check());
   MOR_CHECK(check_target(folder));
-  MOR_TRY(const auto lock, lock_case(folder));
+  MOR_TRY(const auto locks, lock_case(folder));
   return prepare_locked(volume, source, folder, options, progress);
 }
 

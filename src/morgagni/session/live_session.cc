@@ -97,6 +97,7 @@ Result<std::unique_ptr<LiveSession>> LiveSession::start(Case body,
   // Each topic has its routes in a file of its own and joins the others with one line.
   std::vector<HttpRoute> routes = api::joined({
       make_live_routes(shared_body, loop, options.loop.placement),
+      make_ct_routes(options.cts),
       make_findings_routes(desk),
       make_recording_routes(*shared_body, *loop, options.camera_name),
       make_texture_routes(texture),

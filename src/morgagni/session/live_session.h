@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "morgagni/session/ct_routes.h"
 #include "morgagni/session/live_loop.h"
 #include "morgagni/stream/live_server.h"
 
@@ -14,6 +15,7 @@ struct LiveSessionOptions {
   LiveLoopOptions loop;
   LiveServerOptions server;
   std::string camera_name;  ///< As the user gave it, for the status.
+  CtChoice cts;             ///< Of a case with several.
 };
 
 /// One live case with its server: from the camera to the tablet.
