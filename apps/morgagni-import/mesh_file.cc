@@ -19,13 +19,14 @@
 
 #include "messages.h"
 #include "sandbox.h"
+#include "vtp_file.h"
 
 namespace mor::import {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 3> kEndings = {".stl", ".obj", ".ply"};
+constexpr std::array<std::string_view, 4> kEndings = {".stl", ".obj", ".ply", ".vtp"};
 
 std::string ending_of(const fs::path& path) {
   std::string ending = path.extension().string();
@@ -51,7 +52,7 @@ Result<void> check_ending(const fs::path& path) {
   if (std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end()) return {};
   return make_error(ErrorCode::kUnsupported,
                     path.filename().string() +
-                        " is no surface that is read here: give an .stl, .obj or .ply file");
+                        " is no surface that is read here: give an .stl, .obj, .ply or .vtp file");
 }
 
 /// Memory for what a text file swells to, and time for reading it: not more.
@@ -107,6 +108,13 @@ Result<TriangleMesh> read_with_assimp(const fs::path& path) {
       path.filename().string() + " is damaged or not what its name says: it gives no surface");
 }
 
+Result<TriangleMesh> read_mesh(const fs::path& path) {
+  const std::string ending = ending_of(path);
+  if (ending == ".vtp") return read_vtp(path);
+  // assimp's PLY reader never ends on a header that is cut short.
+  return ending == ".ply" ? read_ply(path) : read_with_assimp(path);
+}
+
 Result<void> hand_over(const TriangleMesh& mesh, const std::string& name) {
   if (mesh.empty()) return make_error(ErrorCode::kInvalidArgument, name + " has no triangles");
   if (mesh.triangles.size() > kMaxMeshTriangles || mesh.vertices.size() > 3 * kMaxMeshTriangles) {
@@ -136,9 +144,7 @@ Result<void> import_mesh_file(const fs::path& path) {
   const std::string name = path.filename().string();
   say_file(path.string());
   allow_as_much_as_goes_with(path);
-  // assimp's PLY reader never ends on a header that is cut short.
-  MOR_TRY(const TriangleMesh mesh,
-          ending_of(path) == ".ply" ? read_ply(path) : read_with_assimp(path));
+  MOR_TRY(const TriangleMesh mesh, read_mesh(path));
   say_progress(0.8);
   if (const auto frame = frame_named_in(path); !frame.empty()) say_frame(frame);
   return hand_over(mesh, name);

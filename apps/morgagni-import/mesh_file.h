@@ -8,7 +8,7 @@
 
 namespace mor::import {
 
-/// Hands a surface (STL, OBJ, PLY) to the parent: all triangles of the file as one mesh, corners at
+/// Hands a surface (STL, OBJ, PLY, VTP) to the parent: all triangles of the file as one mesh, corners at
 /// the same place joined. A frame that the file names ("SPACE=RAS", as 3D Slicer writes it) is
 /// told.
 /// @errors kUnsupported: another format. kIo: cut short or damaged. kInvalidArgument: no triangle,

@@ -224,7 +224,7 @@ void add_prepare_command(CLI::App& app) {
   command
       ->add_option("--structure",
                    arguments->options.meshes,
-                   "Structures: a surface (STL, OBJ, PLY) in this CT's millimetres; may be given "
+                   "Structures: a surface (STL, OBJ, PLY, VTP) in this CT's millimetres; may be given "
                    "several times")
       ->expected(1)
       ->take_all();

@@ -49,6 +49,27 @@ Eigen::AlignedBox3d box_in(const Volume& volume, const Eigen::Isometry3d& grid_f
   return box;
 }
 
+/// Where the second one lies, along z only as far as all of a slice is in it: what a turned end
+/// leaves is a wedge of air, through which the airways would lie open to the outside.
+Eigen::AlignedBox3d whole_slices(const Volume& volume,
+                                 const Eigen::Isometry3d& joined_from_volume) {
+  Eigen::AlignedBox3d box = box_in(volume, joined_from_volume);
+  constexpr double kAlongZ = 0.9;
+  const double along_z = joined_from_volume.linear()(2, 2);
+  if (std::abs(along_z) < kAlongZ) return box;
+  for (int corner = 0; corner < 4; ++corner) {
+    Eigen::Vector3d mm((corner & 1) * (volume.size[0] - 1) * volume.spacing_mm.x(),
+                       (corner >> 1) * (volume.size[1] - 1) * volume.spacing_mm.y(),
+                       0.0);
+    const double one_end = (joined_from_volume * mm).z();
+    mm.z() = (volume.size[2] - 1) * volume.spacing_mm.z();
+    const double other_end = (joined_from_volume * mm).z();
+    box.min().z() = std::max(box.min().z(), std::min(one_end, other_end));
+    box.max().z() = std::min(box.max().z(), std::max(one_end, other_end));
+  }
+  return box;
+}
+
 /// Along the first one's axes, in step with its voxels where the whole is as fine as they are.
 Result<Volume> joined_grid(const Volume& first, const Volume& second, const Part& second_part) {
   const Eigen::Matrix3d turned = second_part.grid_from_joined.linear().transpose().cwiseAbs();
@@ -60,7 +81,7 @@ Result<Volume> joined_grid(const Volume& first, const Volume& second, const Part
     grid.spacing_mm[axis] = std::min(first.spacing_mm[axis], second.spacing_mm[along]);
   }
   const auto first_box = box_in(first, Eigen::Isometry3d::Identity());
-  const auto box = first_box.merged(box_in(second, second_part.grid_from_joined.inverse()));
+  const auto box = first_box.merged(whole_slices(second, second_part.grid_from_joined.inverse()));
   Eigen::Vector3d corner;
   std::int64_t num_bytes = 2;
   for (int axis = 0; axis < 3; ++axis) {

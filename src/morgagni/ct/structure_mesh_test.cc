@@ -147,7 +147,7 @@ TEST_F(StructureMesh, RefusesBadFilesWithASentence) {
                       "property float y\nproperty float z\nend_header\n1 2 3\n"),
               HasSubstr("lying.ply"));
   EXPECT_THAT(refusal("nan.obj", "v nan 2 3\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), Not("no error"));
-  EXPECT_THAT(refusal("scene.glb", "glTF"), HasSubstr("give an .stl, .obj or .ply file"));
+  EXPECT_THAT(refusal("scene.glb", "glTF"), HasSubstr("give an .stl, .obj, .ply or .vtp file"));
   const auto gone = import_structure_mesh(folder_ / "gone.stl", {}, {});
   ASSERT_FALSE(gone);
   EXPECT_THAT(gone.error().message, HasSubstr("there is no file"));
