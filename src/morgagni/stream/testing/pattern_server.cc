@@ -88,6 +88,7 @@ class PretendedSession {
         route("GET", "/api/case", &PretendedSession::get_case),
         route("POST", "/api/view", &PretendedSession::set_view),
         route("GET", "/api/texture", &PretendedSession::get_texture),
+        route("GET", "/api/cts", &PretendedSession::get_cts),
         route("POST", "/api/start/automatic", &PretendedSession::search),
         route("POST", "/api/touch", &PretendedSession::touch),
         route("POST", "/api/start/placement", &PretendedSession::place),
@@ -153,6 +154,7 @@ class PretendedSession {
     view_.merge_patch(change);
     return ok(view_);
   }
+  HttpResponse get_cts(const HttpRequest&) { return ok({{"names", json::array()}, {"shown", ""}}); }
   HttpResponse get_texture(const HttpRequest&) {
     return ok({{"ready", false},
                {"recording", false},
