@@ -38,7 +38,7 @@ std::vector<Proposal> retrieve_proposals() {
   std::vector<Proposal> all = {
       {UID_GETStudyRootQueryRetrieveInformationModel, plain_codings(), ASC_SC_ROLE_DEFAULT}};
   for (const char* kind : kWanted) {
-    all.push_back({kind, plain_codings(), ASC_SC_ROLE_SCP});
+    for (const auto& coding : plain_codings()) all.push_back({kind, {coding}, ASC_SC_ROLE_SCP});
     for (const char* coding : kCompressed) all.push_back({kind, {coding}, ASC_SC_ROLE_SCP});
   }
   return all;
