@@ -217,6 +217,10 @@ class Get(WithOrthanc):
         self.assertIn("is there already", error)
         self.assertEqual(os.listdir(self.out), ["mine"])
 
+    def test_mixes_nothing_with_what_another_run_left(self):
+        os.makedirs(self.out + ".pending/1.2.3")
+        self.fails("has what another run fetched, 1.2.3", "get", self.web, *USER, "--patient-id", "0815", "--out", self.out)
+
     def test_keeps_its_limits(self):
         for way in (self.web, *USER), (self.dicom,):
             self.fails("--min-free-mb", "get", *way, "--patient-id", "0815", "--out", self.out,

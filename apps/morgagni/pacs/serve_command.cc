@@ -3,6 +3,7 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
@@ -64,7 +65,11 @@ class CaseMaker {
       for (const auto& series : quiet) {
         if (stop.stop_requested()) return;
         make_case(series);
-        journal_.remove(series.last.series_uid);
+        lock.lock();
+        // Unless more of it came meanwhile.
+        if (!gatherer_.has(series.last.study_uid, series.last.series_uid))
+          journal_.remove(series.last.series_uid);
+        lock.unlock();
       }
       lock.lock();
     }
@@ -90,6 +95,7 @@ class CaseMaker {
               name,
               arguments_.quiet_s,
               series.num_objects);
+    const auto files = files_in(series.folder);
     const auto silent = [](std::string_view /*stage*/, double /*fraction*/) {};
     const auto summary = prepare_case(series.folder, folder, PrepareOptions{}, silent);
     if (!summary) {
@@ -104,8 +110,22 @@ class CaseMaker {
               folder.string(),
               summary->num_skin_vertices,
               summary->reading_seconds + summary->seconds);
+    if (arguments_.forget) forget(series.folder, files);
+  }
+
+  static std::vector<fs::path> files_in(const fs::path& folder) {
+    std::vector<fs::path> files;
     std::error_code status;
-    if (arguments_.forget) fs::remove_all(series.folder, status);
+    for (const auto& entry : fs::directory_iterator(folder, status)) files.push_back(entry.path());
+    return files;
+  }
+
+  /// What came since stays.
+  static void forget(const fs::path& folder, const std::vector<fs::path>& files) {
+    std::error_code status;
+    for (const auto& file : files) fs::remove(file, status);
+    fs::remove(folder, status);
+    fs::remove(folder.parent_path(), status);
   }
 
   const Arguments& arguments_;

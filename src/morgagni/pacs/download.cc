@@ -182,6 +182,24 @@ fs::path without_slash(const fs::path& folder) {
   return absolute.has_filename() ? absolute : absolute.parent_path();
 }
 
+/// What an earlier run left must be of the same series: it becomes part of the result.
+Result<void> check_pending(const fs::path& pending, const std::vector<PacsSeries>& series) {
+  std::error_code status;
+  for (const auto& entry : fs::directory_iterator(pending, status)) {
+    const auto name = entry.path().filename().string();
+    const bool is_wanted = std::any_of(
+        series.begin(), series.end(), [&name](const auto& one) { return one.uid == name; });
+    if (!is_wanted) {
+      return make_error(ErrorCode::kInvalidArgument,
+                        fmt::format("{} has what another run fetched, {}: delete it, or give "
+                                    "another folder",
+                                    pending.string(),
+                                    name));
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<DownloadSummary> download_series(PacsPeer& peer,
@@ -202,6 +220,7 @@ Result<DownloadSummary> download_series(PacsPeer& peer,
                                     FolderLock::Kind::kExclusive,
                                     pending.string() + ": another run fetches into it"));
   Download download(peer, pending, options, on_progress, std::move(stop));
+  MOR_CHECK(check_pending(pending, series));
   MOR_CHECK(download.list(series));
   MOR_TRY(const auto summary, download.fetch());
   flush(pending);

@@ -40,7 +40,7 @@ struct DownloadSummary {
 /// is taken up again, and so is a run that ended early: what is whole is not fetched again.
 ///
 /// @param folder  Must not exist yet.
-/// @errors kInvalidArgument: `folder` exists, or another run fetches into it; the peer's, with what
+/// @errors kInvalidArgument: `folder` exists, or FOLDER.pending has other series, or another run; the peer's, with what
 ///         is missing: FOLDER.pending stays, for the next run; kCancelled: the same; kIo.
 [[nodiscard]] Result<DownloadSummary> download_series(PacsPeer& peer,
                                                       const std::vector<PacsSeries>& series,

@@ -205,8 +205,11 @@ TEST(StudyGatherer, HandsAStudyOutWhenItIsQuiet) {
   EXPECT_TRUE(gatherer.add(object("2.2", "2.2.1", "4"), start + 6s));
   EXPECT_EQ(*gatherer.next_due(), start + 15s);
   EXPECT_THAT(gatherer.take_quiet(start + 14s), IsEmpty());
+  EXPECT_TRUE(gatherer.has("1.1", "1.1.1"));
   const auto quiet = gatherer.take_quiet(start + 15s);
   ASSERT_THAT(quiet, SizeIs(2));
+  EXPECT_FALSE(gatherer.has("1.1", "1.1.1"));
+  EXPECT_TRUE(gatherer.has("2.2", "2.2.1"));
   EXPECT_EQ(quiet[0].last.series_uid, "1.1.1");
   EXPECT_EQ(quiet[1].num_objects, 2);
   EXPECT_EQ(quiet[1].folder, "/r/1.1/1.1.2");

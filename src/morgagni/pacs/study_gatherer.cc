@@ -71,6 +71,11 @@ std::vector<GatheredSeries> StudyGatherer::take_quiet(Clock::time_point now) {
   return all;
 }
 
+bool StudyGatherer::has(const std::string& study_uid, const std::string& series_uid) const {
+  const auto study = studies_.find(study_uid);
+  return study != studies_.end() && study->second.series.count(series_uid) != 0;
+}
+
 std::optional<StudyGatherer::Clock::time_point> StudyGatherer::next_due() const {
   std::optional<Clock::time_point> due;
   for (const auto& [uid, study] : studies_) {

@@ -42,6 +42,9 @@ class StudyGatherer {
   /// empty: none yet.
   [[nodiscard]] std::vector<GatheredSeries> take_quiet(Clock::time_point now);
 
+  /// Whether something of that series came and was not handed out yet.
+  [[nodiscard]] bool has(const std::string& study_uid, const std::string& series_uid) const;
+
   /// When the next study may be quiet; none: there is none.
   [[nodiscard]] std::optional<Clock::time_point> next_due() const;
 
