@@ -22,12 +22,10 @@ if (!existsSync(DEMO_PROJECT)) {
 
 rmSync(scratch, { recursive: true, force: true });
 mkdirSync(scratch, { recursive: true });
-const folder = process.env.MORGAGNI_CASE ?? join(scratch, 'case');
+const folder = join(scratch, 'case');
 const recording = join(scratch, 'recording');
-if (!existsSync(folder)) {
-  execFileSync('bash', ['-c', `. scripts/demo_ct.sh && make_demo_ct '${scratch}'`]);
-  execFileSync(program, ['prepare', join(scratch, 'head.mhd'), '--case', folder, '--vertices', '8000']);
-}
+execFileSync('bash', ['-c', `. scripts/demo_ct.sh && make_demo_ct '${scratch}'`]);
+execFileSync(program, ['prepare', join(scratch, 'head.mhd'), '--case', folder, '--vertices', '8000']);
 execFileSync(program, ['record', '--case', folder, '--camera', 'simulated:seed=5,distance=450', '--frames', '40', '--out', recording]);
 
 const served = createServer((_, response) => {
