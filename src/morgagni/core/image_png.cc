@@ -44,13 +44,13 @@ void on_warning(png_structp /*png*/, png_const_charp /*message*/) {}
 
 enum class Layout : std::uint8_t { kRgb8, kGray16 };
 
-/// Decodes into rows of `image`. libpng reports errors by longjmp, so nothing here owns memory.
+/// Decodes into `image`. libpng reports errors by longjmp back into this function: what owns memory
+/// belongs to the caller, for a local that changed after setjmp may be lost.
 template <class T>
-Result<Image<T>> decode_png(std::span<const std::byte> bytes, Layout layout) {
-  Reader reader{bytes, {}};
-  Image<T> image;
-  std::vector<png_bytep> rows;
-
+Result<void> decode_into(Reader& reader,
+                         Layout layout,
+                         Image<T>& image,
+                         std::vector<png_bytep>& rows) {
   png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader, on_error, on_warning);
   png_infop info = png_create_info_struct(png);
   if (setjmp(png_jmpbuf(png)) != 0) {
@@ -83,6 +83,15 @@ Result<Image<T>> decode_png(std::span<const std::byte> bytes, Layout layout) {
   png_read_image(png, rows.data());
   png_read_end(png, nullptr);
   png_destroy_read_struct(&png, &info, nullptr);
+  return {};
+}
+
+template <class T>
+Result<Image<T>> decode_png(std::span<const std::byte> bytes, Layout layout) {
+  Reader reader{bytes, {}};
+  Image<T> image;
+  std::vector<png_bytep> rows;
+  MOR_CHECK(decode_into(reader, layout, image, rows));
   return image;
 }
 

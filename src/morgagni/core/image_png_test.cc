@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/core/image_png.h"
 
+#include <fstream>
 #include <span>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "morgagni/core/files.h"
 
@@ -69,6 +71,21 @@ TEST(Png, SaysThatATruncatedFileEndsTooEarly) {
   const auto read = read_png_gray16(path);
   ASSERT_FALSE(read);
   EXPECT_THAT(read.error().message, HasSubstr("cut.png"));
+}
+
+long resident_mib() {
+  std::ifstream pages("/proc/self/statm");
+  long all = 0, resident = 0;
+  pages >> all >> resident;
+  return resident * sysconf(_SC_PAGESIZE) / (1L << 20);
+}
+
+TEST(Png, ABrokenPictureLeavesNoMemoryBehind) {
+  auto bytes = encode_png(Image<std::uint16_t>(1024, 1024, 7).view());
+  bytes.resize(bytes.size() - 30);
+  const auto before_mib = resident_mib();
+  for (int i = 0; i < 200; ++i) EXPECT_FALSE(decode_png_gray16(bytes));
+  EXPECT_LT(resident_mib() - before_mib, 100) << "of 400 MiB that were unpacked";
 }
 
 }  // namespace
