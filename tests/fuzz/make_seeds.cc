@@ -6,8 +6,11 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
+#include "morgagni/camera/internal/ros/messages.h"
 #include "morgagni/camera/testing/sample_recording.h"
+#include "morgagni/core/image_png.h"
 #include "morgagni/ct/testing/sample_files.h"
 
 namespace {
@@ -36,6 +39,37 @@ void record(const fs::path& path, mor::ColorCoding color) {
     std::printf("no seed %s: %s\n", path.c_str(), done.error().message.c_str());
 }
 
+/// What a device pushes, behind the byte that push_fuzzer.cc reads first.
+void push(const fs::path& folder,
+          const char* name,
+          char kind,
+          const std::vector<std::byte>& message) {
+  std::ofstream out(folder / name, std::ios::binary);
+  out.put(kind);
+  out.write(reinterpret_cast<const char*>(message.data()),
+            static_cast<std::streamsize>(message.size()));
+}
+
+void push_all(const fs::path& folder) {
+  namespace ros = mor::internal::ros;
+  fs::create_directories(folder);
+  const ros::Header header{1'000'000'002, "camera"};
+  const mor::Image<std::uint16_t> depth(8, 6, 700);
+  push(folder, "depth", 0, ros::encode_depth(header, depth.view()));
+  push(folder, "png", 1, ros::encode_compressed(header, "png", mor::encode_png(depth.view())));
+  push(folder,
+       "info",
+       2,
+       ros::encode_camera_info(header, mor::internal::sample_calibration()->depth));
+  push(folder,
+       "transform",
+       3,
+       ros::encode_transform(header, "depth", Eigen::Isometry3d::Identity()));
+  std::ofstream(folder / "advertise")
+      << '\x08' << R"({"op":"advertise","channels":[{"id":1,"topic":"/a",
+"encoding":"cdr","schemaName":"sensor_msgs/msg/Image"}]})";
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -50,6 +84,7 @@ int main(int argc, char** argv) {
       std::ofstream(folder / format / file.name, std::ios::binary) << file.bytes;
   }
   compress(folder / "dicom" / "explicit.dcm");
+  push_all(folder / "push");
   fs::create_directories(folder / "mcap");
   record(folder / "mcap" / "jpeg.mcap", mor::ColorCoding::kJpeg);
   record(folder / "mcap" / "lossless.mcap", mor::ColorCoding::kLossless);
