@@ -24,7 +24,16 @@ constexpr std::uint32_t kSequenceEnd = 0xfffe'e0dd;
 constexpr std::size_t kPreambleBytes = 128;
 constexpr std::size_t kMaxItems = 200000;  ///< Ten times the frames of the largest CT.
 
-constexpr std::array kWanted = {Tag::kReferencedFileId,
+constexpr std::array kWanted = {Tag::kStructureRois,
+                                Tag::kRoiNumber,
+                                Tag::kRoiName,
+                                Tag::kRoiColor,
+                                Tag::kRoiContours,
+                                Tag::kContours,
+                                Tag::kContourType,
+                                Tag::kContourData,
+                                Tag::kReferencedRoi,
+                                Tag::kReferencedFileId,
                                 Tag::kFrameOfReferenceUid,
                                 Tag::kDirectoryRecords,
                                 Tag::kImageType,
@@ -79,7 +88,8 @@ bool is_sequence(Tag tag) {
   return tag == Tag::kDirectoryRecords || tag == Tag::kFrameTypes || tag == Tag::kPlanePositions ||
          tag == Tag::kPlaneOrientations || tag == Tag::kPixelMeasures || tag == Tag::kPixelValues ||
          tag == Tag::kSharedGroups || tag == Tag::kFrameGroups || tag == Tag::kSegments ||
-         tag == Tag::kSegmentIdentification;
+         tag == Tag::kSegmentIdentification || tag == Tag::kStructureRois ||
+         tag == Tag::kRoiContours || tag == Tag::kContours;
 }
 
 bool has_long_length(std::string_view type) {

@@ -8,6 +8,7 @@
 #include "morgagni/ct/import_protocol.h"
 
 #include "dicom_segmentation.h"
+#include "dicom_structures.h"
 #include "dicom_study.h"
 #include "image_file.h"
 #include "mesh_file.h"
@@ -22,7 +23,9 @@ Result<void> work(const ImportJob& job) {
   if (job.task == kReadMeshTask) return import_mesh_file(job.path);
   const bool is_study = fs::is_directory(job.path) || is_study_file(job.path);
   if (job.task == kReadLabelsTask) {
-    return is_study ? import_dicom_segmentation(job.path) : import_label_file(job.path);
+    if (!is_study) return import_label_file(job.path);
+    return holds_structure_set(job.path) ? import_dicom_structures(job.path, job.series)
+                                         : import_dicom_segmentation(job.path);
   }
   if (job.task == kListSeriesTask) {
     if (is_study) return list_dicom_series(job.path);

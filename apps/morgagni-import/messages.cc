@@ -73,6 +73,10 @@ void say_label(int value, const std::array<double, 3>& color, std::string_view n
   say('l', line + ' ' + std::string(name));
 }
 
+void say_num_maps(std::size_t num_maps) {
+  say('k', std::to_string(num_maps));
+}
+
 void say_frame(std::string_view frame) {
   say('c', frame);
 }

@@ -22,6 +22,8 @@ void say_note(std::string_view sentence);
 void say_series(const CtSeries& series);
 /// @param color  Red, green, blue, 0 to 1.
 void say_label(int value, const std::array<double, 3>& color, std::string_view name);
+/// How many label maps the file holds, of which one is handed over at a time.
+void say_num_maps(std::size_t num_maps);
 /// The frame that a mesh says it is in: "LPS" or "RAS".
 void say_frame(std::string_view frame);
 void say_error(const Error& error);

@@ -214,18 +214,19 @@ void add_prepare_command(CLI::App& app) {
       "Join series by what both show (shifted table, feet first, turned over); refused "
       "where they do not fit");
   command
-      ->add_option(
-          "--labels",
-          arguments->options.label_maps,
-          "Structures: a label map (NIfTI, NRRD, MetaImage, DICOM Segmentation) made from this "
-          "CT; may be given several times")
+      ->add_option("--labels",
+                   arguments->options.label_maps,
+                   "Structures: a label map (NIfTI, NRRD, MetaImage, DICOM Segmentation or RT "
+                   "Structure Set) made from this "
+                   "CT; may be given several times")
       ->expected(1)
       ->take_all();
   command
-      ->add_option("--structure",
-                   arguments->options.meshes,
-                   "Structures: a surface (STL, OBJ, PLY, VTP) in this CT's millimetres; may be given "
-                   "several times")
+      ->add_option(
+          "--structure",
+          arguments->options.meshes,
+          "Structures: a surface (STL, OBJ, PLY, VTP) in this CT's millimetres; may be given "
+          "several times")
       ->expected(1)
       ->take_all();
   command

@@ -16,6 +16,7 @@ namespace mor {
 ///   n SENTENCE        a note: something was skipped or changed
 ///   s FIELDS          a series: the fields of CtSeries in their order, each ended by a tab
 ///   l VALUE RED GREEN BLUE NAME   what a label means
+///   k COUNT           how many label maps the file holds; SERIES asks for one by its number
 ///   c FRAME           the frame that a mesh says it is in, LPS or RAS
 ///   e CODE SENTENCE   why there is no volume; CODE is an ErrorCode as a number
 inline constexpr const char* kReadVolumeTask = "volume";

@@ -23,6 +23,7 @@ struct LabelName {
 struct LabelMap {
   Volume voxels;                 ///< Its `hu` are the labels, 0 to 32767.
   std::vector<LabelName> names;  ///< As far as the file says them.
+  int num_in_file = 1;  ///< Maps that the file holds: of an RT Structure Set one each structure.
 };
 
 /// Reads a label map (NIfTI, NRRD, MetaImage, DICOM Segmentation) as import_volume() reads a CT.
@@ -31,6 +32,11 @@ struct LabelMap {
 /// @errors As import_volume(); kInvalidArgument: voxels that are no whole numbers from 0 to 32767.
 [[nodiscard]] Result<LabelMap> import_label_map(const std::filesystem::path& path,
                                                 const Progress& progress);
+
+/// The same of a file that may hold several, whose structures may overlap: a DICOM RT Structure
+/// Set, each structure's closed contours filled. @errors As import_label_map().
+[[nodiscard]] Result<std::vector<LabelMap>> import_label_maps(const std::filesystem::path& path,
+                                                              const Progress& progress);
 
 /// The classes of TotalSegmentator's task "total" (version 2), by their numbers 1 to 117.
 [[nodiscard]] std::vector<LabelName> total_segmentator_names();

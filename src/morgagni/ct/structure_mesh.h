@@ -21,8 +21,8 @@ struct StructureMeshOptions {
   [[nodiscard]] Result<void> check() const;
 };
 
-/// Reads a structure that was segmented elsewhere as a surface: STL, OBJ, PLY or VTP, mm, in the import
-/// process like import_volume(). A file that says "SPACE=RAS" or "SPACE=LPS" (3D Slicer) is
+/// Reads a structure that was segmented elsewhere as a surface: STL, OBJ, PLY or VTP, mm, in the
+/// import process like import_volume(). A file that says "SPACE=RAS" or "SPACE=LPS" (3D Slicer) is
 /// believed.
 /// @return Named after the file, with normals, frame ct.
 /// @errors As import_volume(); kInvalidArgument: no triangles, too many.

@@ -44,4 +44,19 @@ Result<LabelMap> import_label_map(const std::filesystem::path& path, const Progr
   return internal::run_label_process(program, {kReadLabelsTask, path, {}}, kTimeLimit, progress);
 }
 
+Result<std::vector<LabelMap>> import_label_maps(const std::filesystem::path& path,
+                                                const Progress& progress) {
+  MOR_TRY(const auto program, program_for(path));
+  std::vector<LabelMap> maps;
+  MOR_TRY(LabelMap first, import_label_map(path, progress));
+  maps.push_back(std::move(first));
+  for (int number = 2; number <= maps.front().num_in_file; ++number) {
+    MOR_TRY(LabelMap next,
+            internal::run_label_process(
+                program, {kReadLabelsTask, path, std::to_string(number)}, kTimeLimit, progress));
+    maps.push_back(std::move(next));
+  }
+  return maps;
+}
+
 }  // namespace mor

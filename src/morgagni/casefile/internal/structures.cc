@@ -8,6 +8,8 @@
 #include <Eigen/Geometry>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/core/log.h"
+
 namespace mor::internal {
 namespace {
 
@@ -52,13 +54,20 @@ class GivenStructures {
   Result<void> add_label_map(const fs::path& path,
                              const PrepareOptions& options,
                              const Progress& progress) {
-    MOR_TRY(LabelMap labels, import_label_map(path, progress));
-    MOR_CHECK(check_place(box_of(labels.voxels), volume_, path, "it was made from another scan"));
-    if (labels.names.empty() && options.total_segmentator) labels.names = total_segmentator_names();
-    auto surfaces = extract_labels(labels, options.labels, progress);
-    if (!surfaces)
-      return make_error(surfaces.error().code, path.string() + ": " + surfaces.error().message);
-    for (auto& surface : *surfaces) add(std::move(surface));
+    MOR_TRY(auto maps, import_label_maps(path, progress));
+    for (auto& labels : maps) {
+      MOR_CHECK(check_place(box_of(labels.voxels), volume_, path, "it was made from another scan"));
+      if (labels.names.empty() && options.total_segmentator)
+        labels.names = total_segmentator_names();
+      auto surfaces = extract_labels(labels, options.labels, progress);
+      if (!surfaces && maps.size() > 1) {
+        log::warn("a structure of {} is left out: {}", path.string(), surfaces.error().message);
+        continue;
+      }
+      if (!surfaces)
+        return make_error(surfaces.error().code, path.string() + ": " + surfaces.error().message);
+      for (auto& surface : *surfaces) add(std::move(surface));
+    }
     return {};
   }
 

@@ -33,6 +33,7 @@ constexpr std::size_t kMaxLineBytes = 4096;
 constexpr int kMaxNotes = 20;
 constexpr std::size_t kMaxSeries = 1000;
 constexpr std::size_t kMaxLabels = 1000;
+constexpr int kMaxMaps = 200;
 
 /// A file descriptor that closes itself.
 class Fd {
@@ -65,6 +66,7 @@ struct Talk {
   std::vector<CtSeries> series;
   std::vector<LabelName> labels;
   std::string frame;
+  int num_maps = 1;
   int num_notes = 0;
   bool broken = false;
 };
@@ -146,6 +148,8 @@ void hear_line(std::string_view line, Talk& talk, const Progress& progress) {
   } else if (line[0] == 'l') {
     if (auto label = label_of(text); label && talk.labels.size() < kMaxLabels)
       talk.labels.push_back(*std::move(label));
+  } else if (line[0] == 'k') {
+    talk.num_maps = std::clamp(number_of<int>(text), 1, kMaxMaps);
   } else if (line[0] == 'c') {
     talk.frame = text;
   } else if (line[0] == 'e' && !talk.error) {
@@ -373,6 +377,7 @@ Result<LabelMap> run_label_process(const std::filesystem::path& program,
   LabelMap labels;
   MOR_TRY(labels.voxels, take_volume(voxels.get()).map_error(naming(job.path)));
   labels.names = std::move(talk.labels);
+  labels.num_in_file = talk.num_maps;
   if (progress) progress(kStage, 1.0);
   return labels;
 }
