@@ -24,6 +24,13 @@ pkg_check_modules(LIBZIP REQUIRED IMPORTED_TARGET libzip)
 pkg_check_modules(SOUP REQUIRED IMPORTED_TARGET libsoup-3.0)
 find_library(YUV_LIBRARY yuv REQUIRED)
 
+# Calibration. OpenCV's CMake files come with all of it only.
+find_path(OPENCV_INCLUDE_DIR opencv2/aruco/charuco.hpp PATH_SUFFIXES opencv4 REQUIRED)
+find_library(OPENCV_ARUCO_LIBRARY opencv_aruco REQUIRED)
+find_library(OPENCV_CALIB3D_LIBRARY opencv_calib3d REQUIRED)
+find_library(OPENCV_IMGPROC_LIBRARY opencv_imgproc REQUIRED)
+find_library(OPENCV_CORE_LIBRARY opencv_core REQUIRED)
+
 # Loaded at run time: only their headers are needed.
 find_path(FREENECT_INCLUDE_DIR libfreenect.h REQUIRED)
 find_path(OPENNI2_INCLUDE_DIR OniCAPI.h PATH_SUFFIXES openni2 REQUIRED)
@@ -32,10 +39,6 @@ if(MORGAGNI_BUILD_TESTS)
   find_package(GTest REQUIRED)
   find_package(assimp REQUIRED)  # It and lib3mf read exported files.
   pkg_check_modules(LIB3MF REQUIRED IMPORTED_TARGET lib3MF)
-  # Whose projection ours is compared with. Its CMake files come with all of OpenCV only.
-  find_path(OPENCV_INCLUDE_DIR opencv2/calib3d.hpp PATH_SUFFIXES opencv4 REQUIRED)
-  find_library(OPENCV_CALIB3D_LIBRARY opencv_calib3d REQUIRED)
-  find_library(OPENCV_CORE_LIBRARY opencv_core REQUIRED)
 endif()
 if(MORGAGNI_BUILD_BENCHMARKS)
   find_package(benchmark REQUIRED)

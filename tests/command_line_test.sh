@@ -27,7 +27,7 @@ expect() {
 expect 0 "Example, from a CT to a live picture" --help
 expect 0 "Not a medical device" --help
 expect 0 "morgagni 0." --version
-for command in prepare serve record document evaluate pacs doctor; do
+for command in prepare serve record document evaluate calibrate pacs doctor; do
   expect 0 "morgagni $command" "$command" --help
 done
 expect 0 "OpenCL (--device of the icp methods)" doctor
@@ -60,6 +60,16 @@ expect 1 "refused" pacs query dicom://A@127.0.0.1:1
 expect 1 "cannot listen on 203.0.113.1" pacs serve --cases "$scratch/received" --listen 203.0.113.1
 expect 1 "not an address in numbers" pacs serve --cases "$scratch/received" --listen localhost
 expect 1 "--max-associations must be 1 to 64" pacs serve --cases "$scratch/received" --max-associations 0
+export MORGAGNI_CAMERAS_DIR="$scratch/cameras"
+expect 0 "none: the cameras' own words are believed" doctor
+expect 0 "print at 100 %" calibrate board --out "$scratch/board.pdf"
+expect 1 "one number must be odd" calibrate board --board chessboard:8x6:30 --out "$scratch/board.pdf"
+expect 1 "--camera NAME or --images DIR, one of the two" calibrate
+expect 1 "--page needs a live camera" calibrate --page
+expect 1 "no such folder" calibrate --images "$scratch/missing"
+expect 1 "the simulated body holds no board" calibrate --camera simulated:
+expect 2 "--views" calibrate --camera simulated-board: --views 3
+expect 1 "is unknown" calibrate check --camera nothing:
 expect 2 "subcommand is required"
 expect 2 "subcommand is required" evaluate
 expect 2 "--case" prepare ct.nii

@@ -11,7 +11,7 @@ export default defineConfig({
     target: 'es2022',
     assetsInlineLimit: 0,
     chunkSizeWarningLimit: 700,
-    rollupOptions: { input: ['index.html', 'prepare.html'] },
+    rollupOptions: { input: ['index.html', 'prepare.html', 'calibrate.html'] },
   },
   plugins: [offlineViewer()],
   server: { host: '127.0.0.1', proxy: { '/api': server, '/whep': server } },

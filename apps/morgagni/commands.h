@@ -15,6 +15,7 @@ void add_serve_command(CLI::App& app);
 void add_record_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
 void add_document_command(CLI::App& app);
+void add_calibrate_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
 void add_pacs_command(CLI::App& app);
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/calibration/calibration_store.h"
 #include "morgagni/camera/freenect_camera.h"
 #include "morgagni/camera/usb_cameras.h"
 #include "morgagni/camera/v4l2_camera.h"
@@ -28,6 +29,7 @@ struct Findings {
   std::vector<UsbCamera> cameras;
   Result<int> num_kinects;  ///< That libfreenect sees.
   std::vector<DepthVideoDevice> video_devices;
+  std::vector<KeptCalibration> calibrations;  ///< The newest of each device.
 };
 
 Result<std::string> find_opengl_device() {
@@ -41,11 +43,28 @@ Findings look_around() {
                     find_opengl_device(),
                     list_usb_cameras(),
                     count_freenect_devices(FreenectOptions{}.library),
-                    list_depth_video_devices()};
+                    list_depth_video_devices(),
+                    CalibrationStore().list()};
   if (const auto chosen = choose_compute_device(findings.opencl_devices, "opencl"); !chosen) {
     findings.opencl_advice = chosen.error().message;
   }
   return findings;
+}
+
+std::string age_of(const KeptCalibration& kept) {
+  return age_text(std::chrono::system_clock::now() - kept.made_at);
+}
+
+std::string calibrations_text(const Findings& findings) {
+  std::string text = fmt::format("\nCalibrations ({})\n", CalibrationStore().folder().string());
+  for (const auto& kept : findings.calibrations) {
+    text += fmt::format("  {}: {}, {}\n", kept.device_id, kept.calibration.origin, age_of(kept));
+    for (const auto& [name, value] : kept.figures) text += fmt::format("    {}: {}\n", name, value);
+  }
+  if (findings.calibrations.empty()) {
+    text += "  none: the cameras' own words are believed; see `morgagni calibrate --help`\n";
+  }
+  return text;
 }
 
 std::string cameras_text(const Findings& findings) {
@@ -69,7 +88,7 @@ std::string cameras_text(const Findings& findings) {
   text += fmt::format("  libfreenect: {}\n",
                       findings.num_kinects ? fmt::format("{} Kinects", *findings.num_kinects)
                                            : findings.num_kinects.error().message);
-  return text;
+  return text + calibrations_text(findings);
 }
 
 std::string to_text(const Findings& findings) {
@@ -115,6 +134,13 @@ std::string to_json(const Findings& findings) {
                              {"camera", device.camera},
                              {"advice", device.advice}});
   }
+  auto calibrations = nlohmann::ordered_json::array();
+  for (const auto& kept : findings.calibrations) {
+    calibrations.push_back({{"device_id", kept.device_id},
+                            {"origin", kept.calibration.origin},
+                            {"age", age_of(kept)},
+                            {"depth_corrected", kept.calibration.depth_correction != nullptr}});
+  }
   const auto& opengl = findings.opengl_device;
   const auto& kinects = findings.num_kinects;
   const nlohmann::ordered_json json = {
@@ -123,6 +149,7 @@ std::string to_json(const Findings& findings) {
       {"opengl_device", opengl ? nlohmann::ordered_json(*opengl) : nlohmann::ordered_json()},
       {"range_cameras", cameras},
       {"depth_video_devices", video_devices},
+      {"calibrations", calibrations},
       {"kinects", kinects ? nlohmann::ordered_json(*kinects) : nlohmann::ordered_json()}};
   return json.dump(2) + "\n";
 }

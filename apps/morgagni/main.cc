@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
   mor::add_document_command(app);
   mor::add_evaluate_command(app);
   mor::add_pacs_command(app);
+  mor::add_calibrate_command(app);
   mor::add_doctor_command(app);
   try {
     app.parse(argc, argv);

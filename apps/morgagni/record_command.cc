@@ -11,6 +11,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
+#include "morgagni/calibration/calibration_store.h"
 #include "morgagni/camera/matroska_recorder.h"
 #include "morgagni/camera/open_camera.h"
 #include "morgagni/camera/recording_thread.h"
@@ -79,7 +80,8 @@ Source camera_source(const std::string& name,
                      const std::shared_ptr<const TriangleMesh>& skin,
                      std::stop_token stopped) {
   using Clock = std::chrono::steady_clock;
-  std::shared_ptr<RangeCamera> camera = value_or_exit(open_camera(name, skin, std::move(stopped)));
+  std::shared_ptr<RangeCamera> camera =
+      value_or_exit(open_camera(name, skin, std::move(stopped), CalibrationStore().known()));
   return [camera, first = std::optional<Clock::time_point>()](
              std::stop_token stop) mutable -> Result<std::optional<Shot>> {
     for (int i = 1;; ++i) {

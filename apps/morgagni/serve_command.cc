@@ -14,6 +14,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
+#include "morgagni/calibration/calibration_store.h"
 #include "morgagni/camera/open_camera.h"
 #include "morgagni/casefile/added_cts.h"
 #include "morgagni/casefile/case.h"
@@ -76,7 +77,8 @@ void serve_ct(Arguments& arguments,
   options.cts = {added_cts(arguments.folder), ct, [&next](const auto& name) { next.ask(name); }};
   auto body = value_or_exit(load_case(value_or_exit(find_ct(arguments.folder, ct))));
   const auto skin = std::shared_ptr<const TriangleMesh>(body.skin, &body.skin->mesh);
-  auto camera = value_or_exit(open_camera(arguments.camera, skin, stop));
+  auto camera =
+      value_or_exit(open_camera(arguments.camera, skin, stop, CalibrationStore().known()));
   const auto name = body.name;
   const auto session =
       value_or_exit(LiveSession::start(std::move(body), std::move(camera), options));

@@ -22,10 +22,10 @@ enum class BoardKind : std::uint8_t {
 /// columns, y along the rows, z into the board, mm.
 struct CalibrationBoard {
   BoardKind kind = BoardKind::kCharuco;
-  int columns = 11;         ///< Squares, 4..40.
-  int rows = 8;             ///< Squares, 4..40; one of the two odd and the other even.
-  double square_mm = 24.0;  ///< 2..500.
-  double marker_mm = 18.0;  ///< Side of a ChArUco board's markers; under 0.9 of a square.
+  int columns = 10;         ///< Squares, 4..40. As here the board fits on A3.
+  int rows = 7;             ///< Squares, 4..40; one of the two odd and the other even.
+  double square_mm = 37.0;  ///< 2..500.
+  double marker_mm = 24.0;  ///< Side of a ChArUco board's markers; under 0.9 of a square.
 
   bool operator==(const CalibrationBoard&) const = default;
 
@@ -36,6 +36,10 @@ struct CalibrationBoard {
   [[nodiscard]] int corner_columns() const { return columns - 1; }
   [[nodiscard]] int corner_rows() const { return rows - 1; }
   [[nodiscard]] int num_corners() const { return corner_columns() * corner_rows(); }
+  /// Of a square, counted from the upper left.
+  [[nodiscard]] bool is_black(int column, int row) const {
+    return (rows - 1 - row + column) % 2 == 0;
+  }
   /// Where corner i lies, counted row by row.
   [[nodiscard]] Eigen::Vector3d corner_mm(int i) const;
 };

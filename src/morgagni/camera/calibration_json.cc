@@ -13,6 +13,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kMaxRotationError = 1e-6;
+constexpr std::size_t kMaxOriginBytes = 1000;
 
 tl::unexpected<Error> bad(std::string message) {
   return make_error(ErrorCode::kInvalidArgument, "calibration: " + std::move(message));
@@ -189,6 +190,7 @@ std::string calibration_to_json(const RgbdCalibration& calibration) {
   Json json = {{"depth", pinhole_json(calibration.depth)},
                {"color", pinhole_json(calibration.color)},
                {"color_from_depth", rows}};
+  if (!calibration.origin.empty()) json["origin"] = calibration.origin;
   if (calibration.depth_correction) {
     json[kCorrection] = correction_json(*calibration.depth_correction);
   }
@@ -202,6 +204,12 @@ Result<RgbdCalibration> calibration_from_json(std::string_view text) {
   MOR_TRY(calibration.depth, parse_pinhole(json, "depth"));
   MOR_TRY(calibration.color, parse_pinhole(json, "color"));
   MOR_TRY(calibration.color_from_depth, parse_rigid(json, "color_from_depth"));
+  if (const auto origin = json.find("origin"); origin != json.end()) {
+    if (!origin->is_string() || origin->get_ref<const std::string&>().size() > kMaxOriginBytes) {
+      return bad(fmt::format("origin must be a text of at most {} bytes", kMaxOriginBytes));
+    }
+    calibration.origin = origin->get<std::string>();
+  }
   if (const auto correction = json.find(kCorrection); correction != json.end()) {
     MOR_TRY(auto parsed, parse_correction(*correction));
     calibration.depth_correction = std::make_shared<const DepthCorrection>(std::move(parsed));

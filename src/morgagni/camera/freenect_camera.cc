@@ -110,12 +110,30 @@ Result<internal::KinectGeometry> geometry_of(const Device& device) {
   return geometry;
 }
 
+/// The camera's serial number; of a Kinect for Windows and later models it is zeros, which say
+/// nothing.
+std::string device_id_of(const Device& device, int index) {
+  const auto& f = *device.library;
+  if (f.list_device_attributes == nullptr || f.free_device_attributes == nullptr) return {};
+  freenect_device_attributes* list = nullptr;
+  f.list_device_attributes(device.context, &list);
+  const auto* found = list;
+  for (int i = 0; i < index && found != nullptr; ++i) found = found->next;
+  std::string serial =
+      found != nullptr && found->camera_serial != nullptr ? found->camera_serial : "";
+  f.free_device_attributes(list);
+  if (serial.find_first_not_of('0') == std::string::npos) return {};
+  return "freenect-" + serial;
+}
+
 class FreenectCamera final : public RangeCamera {
  public:
   FreenectCamera(std::unique_ptr<Device> device,
+                 std::string device_id,
                  const internal::KinectGeometry& geometry,
                  RgbdCalibration calibration)
       : device_(std::move(device)),
+        device_id_(std::move(device_id)),
         mm_from_raw_(internal::kinect_mm_from_raw(geometry)),
         calibration_(std::make_shared<const RgbdCalibration>(std::move(calibration))) {}
 
@@ -150,6 +168,7 @@ class FreenectCamera final : public RangeCamera {
   }
 
   const RgbdCalibration& calibration() const override { return *calibration_; }
+  std::string device_id() const override { return device_id_; }
 
  private:
   /// Whose events the thread handles: the callbacks come on it and get only the device.
@@ -211,6 +230,7 @@ class FreenectCamera final : public RangeCamera {
   }
 
   std::unique_ptr<Device> device_;
+  std::string device_id_;
   std::array<std::uint16_t, 2048> mm_from_raw_;
   std::shared_ptr<const RgbdCalibration> calibration_;
 
@@ -231,10 +251,10 @@ class FreenectCamera final : public RangeCamera {
 };
 
 Result<RgbdCalibration> calibration_for(const FreenectOptions& options,
+                                        const std::string& device_id,
                                         const internal::KinectGeometry& geometry) {
-  if (options.calibration_file.empty()) return internal::kinect_calibration(geometry);
-  return internal::read_calibration_file(options.calibration_file,
-                                         internal::kinect_calibration(geometry));
+  return internal::choose_calibration(
+      options.calibration_file, options.known, device_id, internal::kinect_calibration(geometry));
 }
 
 }  // namespace
@@ -259,9 +279,10 @@ Result<std::unique_ptr<RangeCamera>> open_freenect(const FreenectOptions& option
   MOR_TRY(auto library, FreenectLibrary::load(options.library));
   MOR_TRY(auto device, Device::open(std::move(library), options.index));
   MOR_TRY(const auto geometry, geometry_of(*device));
-  MOR_TRY(auto calibration, calibration_for(options, geometry));
-  auto camera =
-      std::make_unique<FreenectCamera>(std::move(device), geometry, std::move(calibration));
+  auto device_id = device_id_of(*device, options.index);
+  MOR_TRY(auto calibration, calibration_for(options, device_id, geometry));
+  auto camera = std::make_unique<FreenectCamera>(
+      std::move(device), std::move(device_id), geometry, std::move(calibration));
   MOR_CHECK(camera->start());
   return camera;
 }

@@ -19,6 +19,7 @@ struct FreenectOptions {
   std::string calibration_file = {};
   /// What is loaded: libfreenect, or a library with its functions.
   std::string library = "libfreenect.so.0.5";
+  KnownCalibration known = {};  ///< Asked where there is no calibration file.
 
   [[nodiscard]] static Result<FreenectOptions> parse(std::string_view text);
 };

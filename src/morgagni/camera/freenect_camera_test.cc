@@ -137,6 +137,8 @@ TEST_F(Fakenect, TakesACalibrationFile) {
   std::ofstream(file) << calibration_to_json(calibration);
   const auto camera =
       open_freenect({.calibration_file = file.string(), .library = kFakenect}).value();
+  // It says where it is from.
+  calibration.origin = file.string();
   EXPECT_EQ(camera->calibration(), calibration);
   calibration.depth.width_px = 320;
   std::ofstream(file) << calibration_to_json(calibration);

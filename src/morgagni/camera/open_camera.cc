@@ -59,23 +59,27 @@ Result<std::unique_ptr<RangeCamera>> open_recording(std::string_view kind, std::
 }  // namespace
 
 Result<std::unique_ptr<RangeCamera>> open_camera(const std::string& name,
-                                                 std::shared_ptr<const TriangleMesh> skin) {
-  return open_camera(name, std::move(skin), std::stop_token());
+                                                 std::shared_ptr<const TriangleMesh> skin,
+                                                 const KnownCalibration& known) {
+  return open_camera(name, std::move(skin), std::stop_token(), known);
 }
 
 Result<std::unique_ptr<RangeCamera>> open_camera(const std::string& name,
                                                  std::shared_ptr<const TriangleMesh> skin,
-                                                 std::stop_token stop) {
+                                                 std::stop_token stop,
+                                                 const KnownCalibration& known) {
   const auto colon = name.find(':');
   const std::string_view kind = std::string_view(name).substr(0, colon);
   const std::string_view rest =
       colon == std::string::npos ? std::string_view() : std::string_view(name).substr(colon + 1);
   if (colon != std::string::npos && kind == "freenect") {
-    MOR_TRY(const auto options, FreenectOptions::parse(rest));
+    MOR_TRY(auto options, FreenectOptions::parse(rest));
+    options.known = known;
     return watch_camera([options] { return open_freenect(options); });
   }
   if (colon != std::string::npos && kind == "openni2") {
-    MOR_TRY(const auto options, Openni2Options::parse(rest));
+    MOR_TRY(auto options, Openni2Options::parse(rest));
+    options.known = known;
     // A recording ends; a device is to come back.
     if (options.uri.ends_with(".oni")) return open_openni2(options);
     return watch_camera([options] { return open_openni2(options); });

@@ -13,6 +13,9 @@ namespace mor {
 /// As open_camera() of range_camera.h, for whoever can be asked to stop: `push:` waits until a
 /// device has pushed a frame. @errors Besides, kCancelled: `stop` was requested before.
 [[nodiscard]] Result<std::unique_ptr<RangeCamera>> open_camera(
-    const std::string& name, std::shared_ptr<const TriangleMesh> skin, std::stop_token stop);
+    const std::string& name,
+    std::shared_ptr<const TriangleMesh> skin,
+    std::stop_token stop,
+    const KnownCalibration& known = {});
 
 }  // namespace mor

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/camera/openni2_camera.h"
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -235,17 +236,30 @@ class Openni2Camera final : public RangeCamera {
   }
 
   const RgbdCalibration& calibration() const override { return *calibration_; }
+  std::string device_id() const override { return device_id_; }
 
  private:
+  std::string serial_number() const {
+    std::array<char, 64> serial{};
+    int size = static_cast<int>(serial.size()) - 1;
+    if (library_->device_get_property == nullptr ||
+        library_->device_get_property(
+            device_, ONI_DEVICE_PROPERTY_SERIAL_NUMBER, serial.data(), &size) != ONI_STATUS_OK) {
+      return {};
+    }
+    const std::string text(serial.data());
+    return text.empty() ? text : "openni2-" + text;
+  }
+
   Result<std::shared_ptr<const RgbdCalibration>> calibration_for(const Openni2Options& options) {
     auto calibration = std::make_shared<RgbdCalibration>();
     MOR_TRY(calibration->depth, depth_->pinhole());
     MOR_TRY(calibration->color, color_->pinhole());
     calibration->color_from_depth.translation().x() = -kColorDistanceMm;
-    if (!options.calibration_file.empty()) {
-      MOR_TRY(*calibration,
-              internal::read_calibration_file(options.calibration_file, *calibration));
-    }
+    device_id_ = is_recording_ ? std::string() : serial_number();
+    MOR_TRY(*calibration,
+            internal::choose_calibration(
+                options.calibration_file, options.known, device_id_, *calibration));
     return calibration;
   }
 
@@ -290,6 +304,7 @@ class Openni2Camera final : public RangeCamera {
   OniDeviceHandle device_ = nullptr;
   std::unique_ptr<Stream> depth_, color_;
   std::shared_ptr<const RgbdCalibration> calibration_;
+  std::string device_id_;
   bool is_recording_ = false;
   bool has_ended_ = false;
   int last_frame_ = 0;

@@ -17,6 +17,7 @@ struct Openni2Options {
   std::string calibration_file = {};  ///< [calibration] A JSON file (calibration_json.h). Without
                                       ///< it, the driver's fields of view and the design's 25 mm.
   std::string library = "libOpenNI2.so.0";  ///< What is loaded.
+  KnownCalibration known = {};              ///< Asked where there is no calibration file.
 
   [[nodiscard]] static Result<Openni2Options> parse(std::string_view text);
 };

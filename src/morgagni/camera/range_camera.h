@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -27,13 +28,15 @@ struct RgbdCalibration {
   Eigen::Isometry3d color_from_depth = Eigen::Isometry3d::Identity();
   /// What the depth camera's readings are wrong by (see depth_corrected). Null: not known.
   std::shared_ptr<const DepthCorrection> depth_correction = nullptr;
+  /// Where it is from and of what day, for people. Empty: the device's own word, or its design.
+  std::string origin = {};
 
   bool operator==(const RgbdCalibration& other) const {
     const bool same_correction = depth_correction && other.depth_correction
                                      ? *depth_correction == *other.depth_correction
                                      : depth_correction == other.depth_correction;
     return depth == other.depth && color == other.color && same_correction &&
-           color_from_depth.matrix() == other.color_from_depth.matrix();
+           origin == other.origin && color_from_depth.matrix() == other.color_from_depth.matrix();
   }
 };
 
@@ -62,7 +65,16 @@ class RangeCamera {
       std::stop_token stop) = 0;
 
   [[nodiscard]] virtual const RgbdCalibration& calibration() const = 0;
+
+  /// What tells this device from others of its kind: "freenect-A00361D08047310A". Empty: a
+  /// recording, a simulation, or a device that has no number.
+  [[nodiscard]] virtual std::string device_id() const { return {}; }
 };
+
+/// What was found out about a device before, by its id: it takes the place of `by_design` unless
+/// the camera's name says `calibration=FILE`. None: nothing is known.
+using KnownCalibration = std::function<Result<std::optional<RgbdCalibration>>(
+    const std::string& device_id, const RgbdCalibration& by_design)>;
 
 /// Opens a camera by its name:
 ///   `simulated:[key=value,...]`  see SimulatedCameraOptions;
@@ -72,8 +84,11 @@ class RangeCamera {
 ///   `push:[HOST:]PORT[,token=...][,calibration=FILE][,tolerance_ms=N]`  any device on the net;
 ///   `v4l2:/dev/videoN[,color=/dev/videoM][,calibration=FILE][,format=z16|y16]`  by the kernel.
 /// @param skin  The case's skin, which only the simulated camera looks at.
+/// @param known  Asked for devices that have an id; see calibration/calibration_store.h.
 /// @errors kInvalidArgument (unknown kind, key or value: names what is allowed), kNotFound, kIo.
 [[nodiscard]] Result<std::unique_ptr<RangeCamera>> open_camera(
-    const std::string& name, std::shared_ptr<const TriangleMesh> skin);
+    const std::string& name,
+    std::shared_ptr<const TriangleMesh> skin,
+    const KnownCalibration& known = {});
 
 }  // namespace mor

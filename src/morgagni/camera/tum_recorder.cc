@@ -91,7 +91,9 @@ Result<void> TumRecorder::Impl::check(const RgbdFrame& frame,
                                       bool has_truth) const {
   if (is_finished) return invalid("the recording is finished");
   if (!frame.calibration) return invalid("a frame without calibration cannot be recorded");
-  const auto& [depth, color, color_from_depth, correction] = *frame.calibration;
+  const PinholeCamera& depth = frame.calibration->depth;
+  const PinholeCamera& color = frame.calibration->color;
+  const Eigen::Isometry3d& color_from_depth = frame.calibration->color_from_depth;
   if (depth != color || !color_from_depth.isApprox(Eigen::Isometry3d::Identity(), 1e-9)) {
     return make_error(ErrorCode::kUnsupported,
                       "the TUM layout has one pinhole for depth and colour, this camera has two");

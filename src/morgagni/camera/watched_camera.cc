@@ -26,6 +26,7 @@ struct Shared {
   CameraOpener open;
   WatchOptions options;
   std::shared_ptr<const RgbdCalibration> calibration;
+  std::string device_id;
   std::atomic<int> num_running = 0;  ///< Threads that are in, or behind, a driver.
 
   std::mutex mutex;  ///< Guards all below.
@@ -164,6 +165,7 @@ class WatchedCamera final : public RangeCamera {
   }
 
   const RgbdCalibration& calibration() const override { return *shared_->calibration; }
+  std::string device_id() const override { return shared_->device_id; }
 
  private:
   /// Needs the lock. Leaves a driver behind that hangs.
@@ -218,6 +220,7 @@ Result<std::unique_ptr<RangeCamera>> watch_camera(CameraOpener open, const Watch
   shared->open = std::move(open);
   shared->options = options;
   shared->calibration = std::make_shared<const RgbdCalibration>(camera->calibration());
+  shared->device_id = camera->device_id();
   return std::make_unique<WatchedCamera>(std::move(shared), std::move(camera));
 }
 

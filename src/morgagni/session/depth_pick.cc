@@ -15,7 +15,9 @@ constexpr double kSameSurfaceMm = 15.0;  ///< Behind the nearest reading by more
 Eigen::AlignedBox2i window(const RgbdFrame& frame, const Eigen::Vector2d& color_pixel) {
   constexpr double kNearMm = 100.0;
   constexpr double kFarMm = 10000.0;
-  const auto& [depth_camera, color_camera, color_from_depth, correction] = *frame.calibration;
+  const PinholeCamera& depth_camera = frame.calibration->depth;
+  const PinholeCamera& color_camera = frame.calibration->color;
+  const Eigen::Isometry3d& color_from_depth = frame.calibration->color_from_depth;
   const Eigen::AlignedBox2i all(
       Eigen::Vector2i::Zero(),
       Eigen::Vector2i(frame.depth_mm.width() - 1, frame.depth_mm.height() - 1));
@@ -36,7 +38,9 @@ Eigen::AlignedBox2i window(const RgbdFrame& frame, const Eigen::Vector2d& color_
 
 std::optional<Eigen::Vector3d> depth_point_at(const RgbdFrame& frame,
                                               const Eigen::Vector2d& color_pixel) {
-  const auto& [depth_camera, color_camera, color_from_depth, correction] = *frame.calibration;
+  const PinholeCamera& depth_camera = frame.calibration->depth;
+  const PinholeCamera& color_camera = frame.calibration->color;
+  const Eigen::Isometry3d& color_from_depth = frame.calibration->color_from_depth;
   std::vector<Eigen::Vector3d> seen;
   const Eigen::AlignedBox2i box = window(frame, color_pixel);
   for (int y = box.min().y(); y <= box.max().y(); ++y) {

@@ -35,6 +35,7 @@ Json to_json(const RgbdCalibration& calibration) {
   Json json = {{"depth", to_json(calibration.depth)},
                {"color", to_json(calibration.color)},
                {"color_from_depth", to_json(calibration.color_from_depth)}};
+  if (!calibration.origin.empty()) json["origin"] = calibration.origin;
   if (calibration.depth_correction) {
     json["depth_correction"] = Json::parse(depth_correction_to_json(*calibration.depth_correction));
   }

@@ -57,9 +57,10 @@ OverlayView overlay_view(const RgbdFrame& frame,
                          const std::optional<Eigen::Isometry3d>& ct_from_ghost,
                          const ViewSettings& view,
                          bool is_still) {
-  const auto& [depth_camera, color_camera, color_from_depth, correction] = *frame.calibration;
+  const PinholeCamera& depth_camera = frame.calibration->depth;
+  const Eigen::Isometry3d& color_from_depth = frame.calibration->color_from_depth;
   OverlayView overlay;
-  overlay.color_camera = color_camera;
+  overlay.color_camera = frame.calibration->color;
   overlay.opacity = view.opacity;
   overlay.hole = view.hole;
   overlay.has_outlines = view.has_outlines;
@@ -94,9 +95,10 @@ FreeView free_view(const ViewSettings& view,
   free.structure_opacity = opacities(view);
   free.structure_opacity[kSkinName] = 0.0F;  // It is there in colours.
   if (textured == nullptr || !ct_from_depth) return free;
-  const auto& [depth_camera, color_camera, color_from_depth, correction] = *textured->calibration;
+  const PinholeCamera& depth_camera = textured->calibration->depth;
+  const Eigen::Isometry3d& color_from_depth = textured->calibration->color_from_depth;
   free.picture = {.color = textured->color.view(),
-                  .camera = color_camera,
+                  .camera = textured->calibration->color,
                   .color_from_ct = color_from_depth * ct_from_depth->inverse()};
   if (view.keeps_hands_in_front) {
     free.picture->measured = {textured->depth_mm.view(), depth_camera, color_from_depth};

@@ -37,4 +37,18 @@ Result<RgbdCalibration> read_calibration_file(const std::filesystem::path& path,
   return calibration;
 }
 
+Result<RgbdCalibration> choose_calibration(const std::string& file,
+                                           const KnownCalibration& known,
+                                           const std::string& device_id,
+                                           const RgbdCalibration& by_design) {
+  if (!file.empty()) {
+    MOR_TRY(auto calibration, read_calibration_file(file, by_design));
+    if (calibration.origin.empty()) calibration.origin = file;
+    return calibration;
+  }
+  if (!known || device_id.empty()) return by_design;
+  MOR_TRY(auto found, known(device_id, by_design));
+  return std::move(found).value_or(by_design);
+}
+
 }  // namespace mor::internal

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "morgagni/camera/range_camera.h"
 
@@ -13,5 +14,12 @@ namespace mor::internal {
 /// @errors kNotFound, kIo, kInvalidArgument: names the file.
 [[nodiscard]] Result<RgbdCalibration> read_calibration_file(const std::filesystem::path& path,
                                                             const RgbdCalibration& like);
+
+/// The file's, where one is named; else what is known of the device; else that of its design.
+/// @errors As read_calibration_file() and `known`.
+[[nodiscard]] Result<RgbdCalibration> choose_calibration(const std::string& file,
+                                                         const KnownCalibration& known,
+                                                         const std::string& device_id,
+                                                         const RgbdCalibration& by_design);
 
 }  // namespace mor::internal

@@ -49,6 +49,8 @@ Result<std::shared_ptr<const FreenectLibrary>> FreenectLibrary::load(const std::
   }
   find(l.handle_, "freenect_copy_registration", l.copy_registration);
   find(l.handle_, "freenect_destroy_registration", l.destroy_registration);
+  find(l.handle_, "freenect_list_device_attributes", l.list_device_attributes);
+  find(l.handle_, "freenect_free_device_attributes", l.free_device_attributes);
   return library;
 }
 

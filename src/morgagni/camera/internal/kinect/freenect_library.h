@@ -43,6 +43,8 @@ class FreenectLibrary {
   // fakenect lacks them.
   decltype(&::freenect_copy_registration) copy_registration = nullptr;
   decltype(&::freenect_destroy_registration) destroy_registration = nullptr;
+  decltype(&::freenect_list_device_attributes) list_device_attributes = nullptr;
+  decltype(&::freenect_free_device_attributes) free_device_attributes = nullptr;
 
  private:
   FreenectLibrary() = default;

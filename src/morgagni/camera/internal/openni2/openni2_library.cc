@@ -38,6 +38,7 @@ bool Openni2Library::find_all() {
          find("oniWaitForAnyStream", wait_for_any_stream) && find("oniDeviceOpen", device_open) &&
          find("oniDeviceClose", device_close) &&
          find("oniDeviceSetProperty", device_set_property) &&
+         find("oniDeviceGetProperty", device_get_property) &&
          find("oniDeviceGetSensorInfo", device_get_sensor_info) &&
          find("oniDeviceCreateStream", device_create_stream) &&
          find("oniStreamDestroy", stream_destroy) && find("oniStreamStart", stream_start) &&

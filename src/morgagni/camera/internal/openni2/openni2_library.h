@@ -27,6 +27,7 @@ class Openni2Library {
   decltype(&::oniDeviceOpen) device_open = nullptr;
   decltype(&::oniDeviceClose) device_close = nullptr;
   decltype(&::oniDeviceSetProperty) device_set_property = nullptr;
+  decltype(&::oniDeviceGetProperty) device_get_property = nullptr;
   decltype(&::oniDeviceGetSensorInfo) device_get_sensor_info = nullptr;
   decltype(&::oniDeviceCreateStream) device_create_stream = nullptr;
   decltype(&::oniStreamDestroy) stream_destroy = nullptr;
