@@ -190,11 +190,17 @@ struct Prepared {
   Volume body;
 };
 
-Result<void> write_case(const fs::path& folder, const Prepared& prepared, Json& document) {
+Result<void> write_case(const fs::path& folder,
+                        const Prepared& prepared,
+                        Json& document,
+                        const Progress& progress) {
   MOR_CHECK(write_ply(folder / internal::kSkinFile, prepared.skin));
   MOR_CHECK(write_file(folder / internal::kPreviewFile, prepared.preview));
+  progress("write case", 0.1);
   MOR_CHECK(write_distance_field(folder / internal::kFieldFile, prepared.field));
+  progress("write case", 0.3);
   MOR_CHECK(write_volume(folder / internal::kVolumeFile, prepared.body));
+  progress("write case", 0.5);
   document["structures"] = Json::array();
   if (!prepared.bone.empty()) {
     MOR_CHECK(write_ply(folder / internal::kBoneFile, prepared.bone));
@@ -209,6 +215,7 @@ Result<void> write_case(const fs::path& folder, const Prepared& prepared, Json& 
                                       {"file", file},
                                       {"color", to_json(structure.color.cast<double>())}});
   }
+  progress("write case", 0.6);
   MOR_TRY(document["files"], hashes(folder));
   return write_file(folder / kCaseFile, document.dump(2) + "\n");
 }
@@ -250,7 +257,7 @@ Result<PrepareSummary> prepare_locked(const Volume& volume,
   MOR_TRY(const Prepared prepared, made_of(volume, options, progress, summary));
 
   progress("write case", 0.0);
-  MOR_TRY(auto pending, PendingFolder::create(folder));
+  MOR_TRY(auto pending, PendingFolder::create(folder, PendingFolder::WhenKilled::kRemove));
   Json document = {{"format", internal::kCaseFormat},
                    {"name", case_title(folder)},
                    {"made_by", fmt::format("Morgagni {}", kVersion)},
@@ -258,7 +265,7 @@ Result<PrepareSummary> prepare_locked(const Volume& volume,
                    {"ct", ct_identity},
                    {"options", to_json(options)},
                    {"cut", to_json(summary.cut)}};
-  MOR_CHECK(write_case(pending.path(), prepared, document));
+  MOR_CHECK(write_case(pending.path(), prepared, document, progress));
   progress("write case", 0.8);
   MOR_CHECK(carry_over_kept_folders(folder, pending.path()));
   progress("write case", 0.9);

@@ -49,8 +49,8 @@ struct PrepareSummary {
 /// folder.
 ///
 /// The folder is written aside and put in its place at the end, so that at any moment there is the
-/// old case, or the new one, or none: never half of one. What a killed run left is removed by the
-/// next. What people made in the case (kKeptFolders) stays in it.
+/// old case, or the new one, or none: never half of one. A run that is killed leaves nothing beside
+/// it. What people made in the case (kKeptFolders) stays in it.
 ///
 /// @param ct      As import_volume() reads it.
 /// @param folder  The case. Made, or replaced when it is a case already.

@@ -201,11 +201,13 @@ Result<std::vector<StructureSurface>> extract_automatic_structures(
   all.push_back(find_metal(body, options));
   std::vector<StructureSurface> surfaces;
   for (const auto& found : all) {
-    report(0.5 + 0.15 * static_cast<double>(surfaces.size()));
+    const double begin = 0.5 + 0.15 * static_cast<double>(surfaces.size());
+    report(begin);
     if (found.mask.count() == 0) continue;
     const auto [box, inside] = cut_out(body, found);
     auto mesh = internal::marching_cubes(box, inside, found.threshold_hu);
-    internal::finish_surface(mesh, options.num_triangles);
+    report(begin + 0.05);
+    internal::finish_surface(mesh, options.num_triangles, [&] { report(begin + 0.1); });
     if (!mesh.empty()) surfaces.push_back({found.name, found.color, std::move(mesh)});
   }
   report(1.0);

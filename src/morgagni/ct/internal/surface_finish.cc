@@ -72,9 +72,12 @@ TriangleMesh simplified(const TriangleMesh& mesh, int num_triangles) {
 
 }  // namespace
 
-void finish_surface(TriangleMesh& mesh, int num_triangles) {
+void finish_surface(TriangleMesh& mesh,
+                    int num_triangles,
+                    const std::function<void()>& when_smooth) {
   if (mesh.empty()) return;
   smooth(mesh);
+  if (when_smooth) when_smooth();
   finish_given_surface(mesh, num_triangles);
 }
 
