@@ -290,7 +290,7 @@ TEST_F(V4l2Test, SaysWhyItCannotBeOpened) {
   EXPECT_THAT(refusal(), HasSubstr("there is no /dev/video0"));
   depth() = depth_device();
   depth().format = internal::kYuyv;
-  EXPECT_THAT(refusal(), HasSubstr("has pictures of YUYV, Z16  is needed"));
+  EXPECT_THAT(refusal(), HasSubstr("has pictures of YUYV, Z16 is needed"));
   depth() = depth_device();
   depth().capabilities = V4L2_CAP_VIDEO_OUTPUT;
   EXPECT_THAT(refusal(), HasSubstr("gives no pictures"));

@@ -16,6 +16,7 @@ using Json = nlohmann::json;
 constexpr std::size_t kMaxTextBytes = 1U << 20U;
 constexpr std::size_t kMaxChannels = 64;
 constexpr std::size_t kMaxTopicBytes = 256;
+constexpr std::size_t kMaxAnswers = 64;  ///< To one text.
 constexpr std::uint8_t kMessageData = 0x01;
 constexpr double kMaxId = 4294967295.0;
 
@@ -42,6 +43,10 @@ const Json* list_of(const Json& json, const char* name) {
   return found != json.end() && found->is_array() ? &*found : nullptr;
 }
 
+std::vector<Status> error(std::string message) {
+  return {{StatusLevel::kError, std::move(message)}};
+}
+
 }  // namespace
 
 std::vector<std::string> ClientChannels::greeting() {
@@ -59,58 +64,61 @@ std::string ClientChannels::status_json(const Status& status) {
 }
 
 std::vector<Status> ClientChannels::on_text(std::string_view text) {
-  const auto error = [](std::string message) {
-    return std::vector<Status>{{StatusLevel::kError, std::move(message)}};
-  };
   if (text.size() > kMaxTextBytes) {
     return error(fmt::format("a text of {} bytes, {} are read", text.size(), kMaxTextBytes));
   }
   const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object()) return error("a text message must be a JSON object with an 'op'");
   const auto op = text_of(json, "op");
-  std::vector<Status> answers;
-  if (op == "advertise") {
-    const auto* list = list_of(json, "channels");
-    if (list == nullptr) return error("advertise has no list 'channels'");
-    for (const auto& each : *list) {
-      const auto id = each.is_object() && each.contains("id") ? id_of(each["id"]) : std::nullopt;
-      const auto topic = each.is_object() ? text_of(each, "topic") : std::string();
-      if (!id || topic.empty()) return error("a channel must have an 'id' and a 'topic'");
-      if (channels_.size() >= kMaxChannels && !channels_.contains(*id)) {
-        return error(fmt::format("more than {} channels", kMaxChannels));
-      }
-      const auto encoding = text_of(each, "encoding");
-      const auto schema = text_of(each, "schemaName");
-      if (encoding != "cdr" && encoding != "json") {
-        answers.push_back(
-            {StatusLevel::kError,
-             fmt::format("{} is encoded as '{}', only cdr and json are read", topic, encoding)});
-        continue;
-      }
-      const auto kind = message_kind(schema);
-      if (!kind) {
-        answers.push_back({StatusLevel::kWarning,
-                           fmt::format("{} ({}) is not used, only sensor_msgs Image, "
-                                       "CompressedImage and CameraInfo, and tf2_msgs/TFMessage",
-                                       topic,
-                                       schema)});
-      }
-      channels_[*id] = {topic, kind, encoding == "cdr" ? Encoding::kCdr : Encoding::kJson};
-    }
-  } else if (op == "unadvertise") {
-    const auto* list = list_of(json, "channelIds");
-    if (list == nullptr) return error("unadvertise has no list 'channelIds'");
-    for (const auto& each : *list) {
-      const auto id = id_of(each);
-      if (!id || channels_.erase(*id) == 0) {
-        answers.push_back({StatusLevel::kWarning, "a channel that was not advertised is given up"});
-      }
-    }
-  } else {
+  const bool is_advertise = op == "advertise";
+  if (!is_advertise && op != "unadvertise") {
     return error(
         fmt::format("'{}' is not offered: a device advertises channels and sends on them", op));
   }
+  const char* name = is_advertise ? "channels" : "channelIds";
+  const auto* list = list_of(json, name);
+  if (list == nullptr) return error(fmt::format("{} has no list '{}'", op, name));
+  std::vector<Status> answers;
+  for (const auto& each : *list) {
+    auto answer = is_advertise ? advertise(each) : unadvertise(each);
+    if (answer) answers.push_back(*std::move(answer));
+    if (answers.size() >= kMaxAnswers) break;
+  }
   return answers;
+}
+
+template <class Json>
+std::optional<Status> ClientChannels::advertise(const Json& json) {
+  const auto id = json.is_object() && json.contains("id") ? id_of(json["id"]) : std::nullopt;
+  const auto topic = json.is_object() ? text_of(json, "topic") : std::string();
+  if (!id || topic.empty()) {
+    return Status{StatusLevel::kError, "a channel must have an 'id' and a 'topic'"};
+  }
+  if (channels_.size() >= kMaxChannels && !channels_.contains(*id)) {
+    return Status{StatusLevel::kError, fmt::format("more than {} channels", kMaxChannels)};
+  }
+  const auto encoding = text_of(json, "encoding");
+  if (encoding != "cdr" && encoding != "json") {
+    return Status{
+        StatusLevel::kError,
+        fmt::format("{} is encoded as '{}', only cdr and json are read", topic, encoding)};
+  }
+  const auto schema = text_of(json, "schemaName");
+  const auto kind = message_kind(schema);
+  channels_[*id] = {topic, kind, encoding == "cdr" ? Encoding::kCdr : Encoding::kJson};
+  if (kind) return std::nullopt;
+  return Status{StatusLevel::kWarning,
+                fmt::format("{} ({}) is not used, only sensor_msgs Image, CompressedImage and "
+                            "CameraInfo, and tf2_msgs/TFMessage",
+                            topic,
+                            schema)};
+}
+
+template <class Json>
+std::optional<Status> ClientChannels::unadvertise(const Json& json) {
+  const auto id = id_of(json);
+  if (id && channels_.erase(*id) != 0) return std::nullopt;
+  return Status{StatusLevel::kWarning, "a channel that was not advertised is given up"};
 }
 
 Result<std::optional<Arrival>> ClientChannels::on_binary(std::span<const std::byte> bytes) const {

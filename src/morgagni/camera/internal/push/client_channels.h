@@ -49,6 +49,12 @@ class ClientChannels {
     Encoding encoding = Encoding::kCdr;
   };
 
+  // Of one item of a list. None: there is nothing to answer.
+  template <class Json>
+  std::optional<Status> advertise(const Json& json);
+  template <class Json>
+  std::optional<Status> unadvertise(const Json& json);
+
   std::map<std::uint32_t, Channel> channels_;
 };
 

@@ -31,7 +31,7 @@ std::string letters_of(std::uint32_t format) {
     const auto letter = static_cast<char>((format >> (8U * i)) & 0x7FU);
     text += letter >= ' ' ? letter : '?';
   }
-  return text;
+  return text.substr(0, text.find_last_not_of(' ') + 1);
 }
 
 std::string card_name(const v4l2_capability& capability) {
