@@ -85,7 +85,8 @@ Result<std::unique_ptr<RangeCamera>> open_camera(const std::string& name,
     return watch_camera([options] { return open_openni2(options); });
   }
   if (colon != std::string::npos && kind == "v4l2") {
-    MOR_TRY(const auto options, V4l2Options::parse(rest));
+    MOR_TRY(auto options, V4l2Options::parse(rest));
+    options.known = known;
     return watch_camera([options] { return open_v4l2(options); });
   }
   if (colon != std::string::npos && kind == "push") {

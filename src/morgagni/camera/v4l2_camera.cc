@@ -3,7 +3,9 @@
 #include "morgagni/camera/v4l2_camera.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstring>
+#include <fstream>
 
 #include <libyuv.h>
 #include <spdlog/fmt/fmt.h>
@@ -112,10 +114,12 @@ class V4l2Camera final : public RangeCamera {
   V4l2Camera(std::shared_ptr<const VideoSystem> system,
              VideoStream depth,
              std::optional<VideoStream> color,
+             std::string device_id,
              RgbdCalibration calibration)
       : system_(std::move(system)),
         depth_(std::move(depth)),
         color_(std::move(color)),
+        device_id_(std::move(device_id)),
         calibration_(std::make_shared<const RgbdCalibration>(std::move(calibration))) {}
 
   Result<void> start() {
@@ -136,6 +140,8 @@ class V4l2Camera final : public RangeCamera {
   }
 
   const RgbdCalibration& calibration() const override { return *calibration_; }
+
+  std::string device_id() const override { return device_id_; }
 
  private:
   Result<void> wait() {
@@ -205,6 +211,7 @@ class V4l2Camera final : public RangeCamera {
   std::shared_ptr<const VideoSystem> system_;
   VideoStream depth_;
   std::optional<VideoStream> color_;
+  std::string device_id_;
   std::shared_ptr<const RgbdCalibration> calibration_;
 
   std::shared_ptr<RgbdFrame> waiting_;  ///< Depth whose colour has not come yet.
@@ -220,6 +227,19 @@ bool has_format(const internal::VideoDevice& device, std::uint32_t format) {
 
 std::shared_ptr<const VideoSystem> or_real(std::shared_ptr<const VideoSystem> system) {
   return system ? std::move(system) : internal::real_video_system();
+}
+
+/// "v4l2-904412060323". The interface of a USB device is the folder below that with its number.
+std::string device_id_of(const std::filesystem::path& sysfs, const std::string& device) {
+  std::error_code status;
+  const auto name = std::filesystem::path(device).filename();
+  const auto place = std::filesystem::canonical(sysfs / name / "device", status);
+  std::ifstream file(place.parent_path() / "serial");
+  std::string serial;
+  file >> serial;
+  const auto is_plain = [](unsigned char letter) { return std::isalnum(letter) != 0; };
+  if (status || serial.empty() || !std::ranges::all_of(serial, is_plain)) return {};
+  return "v4l2-" + serial;
 }
 
 /// The number in "video12". None: another name.
@@ -270,12 +290,14 @@ Result<std::unique_ptr<RangeCamera>> open_v4l2(const V4l2Options& options,
     MOR_TRY(auto opened, VideoStream::open(system, options.color_device, kColorFormats));
     color.emplace(std::move(opened));
   }
-  auto calibration = design(depth, color ? &*color : nullptr);
-  if (!options.calibration_file.empty()) {
-    MOR_TRY(calibration, internal::read_calibration_file(options.calibration_file, calibration));
-  }
+  auto device_id = device_id_of(options.sysfs, options.depth_device);
+  MOR_TRY(auto calibration,
+          internal::choose_calibration(options.calibration_file,
+                                       options.known,
+                                       device_id,
+                                       design(depth, color ? &*color : nullptr)));
   auto camera = std::make_unique<V4l2Camera>(
-      system, std::move(depth), std::move(color), std::move(calibration));
+      system, std::move(depth), std::move(color), std::move(device_id), std::move(calibration));
   MOR_CHECK(camera->start());
   return camera;
 }

@@ -25,6 +25,9 @@ struct V4l2Options {
   std::string calibration_file = {};
   bool is_y16 =
       false;  ///< [format=z16|y16] Depth comes as Y16, which most cameras use for infrared.
+  /// Asked by the serial number of the USB device, where it has one.
+  KnownCalibration known = {};
+  std::filesystem::path sysfs = "/sys/class/video4linux";  ///< Where the kernel lists the devices.
 
   [[nodiscard]] static Result<V4l2Options> parse(std::string_view text);
 };

@@ -367,6 +367,27 @@ TEST_F(V4l2Test, BehindItsWatchItComesBackWhenItIsPluggedInAgain) {
   EXPECT_LT(Clock::now() - back_at, std::chrono::seconds(3));
 }
 
+TEST_F(V4l2Test, AsksForWhatIsKnownOfItByItsSerialNumber) {
+  const auto sysfs = std::filesystem::path(testing::TempDir()) / "mor_v4l2_sys";
+  std::filesystem::remove_all(sysfs);
+  std::filesystem::create_directories(sysfs / "usb/2-1/2-1:1.0");
+  std::filesystem::create_directories(sysfs / "class/video0");
+  std::filesystem::create_directory_symlink(sysfs / "usb/2-1/2-1:1.0",
+                                            sysfs / "class/video0/device");
+  V4l2Options options{.depth_device = kDepth, .sysfs = sysfs / "class"};
+  options.known = [](const std::string& id, const RgbdCalibration& by_design) {
+    auto known = by_design;
+    known.depth.focal_x_px = id == "v4l2-904412060323" ? 41.5 : 0.0;
+    return Result<std::optional<RgbdCalibration>>(known);
+  };
+  EXPECT_EQ(open_v4l2(options, kernel_).value()->device_id(), "") << "it has no number";
+  std::ofstream(sysfs / "usb/2-1/serial") << "904412060323\n";
+  const auto camera = open_v4l2(options, kernel_).value();
+  EXPECT_EQ(camera->device_id(), "v4l2-904412060323");
+  EXPECT_EQ(camera->calibration().depth.focal_x_px, 41.5);
+  std::filesystem::remove_all(sysfs);
+}
+
 TEST_F(V4l2Test, AreListedWithTheirColourOrWithAdvice) {
   const auto folder = std::filesystem::path(testing::TempDir()) / "mor_v4l2_dev";
   std::filesystem::remove_all(folder);
