@@ -27,7 +27,7 @@ expect() {
 expect 0 "Example, from a CT to a live picture" --help
 expect 0 "Not a medical device" --help
 expect 0 "morgagni 0." --version
-for command in prepare serve record document evaluate calibrate pacs doctor; do
+for command in prepare serve record document evaluate calibrate self-calibrate pacs doctor; do
   expect 0 "morgagni $command" "$command" --help
 done
 expect 0 "OpenCL (--device of the icp methods)" doctor
@@ -38,6 +38,7 @@ OCL_ICD_VENDORS="$scratch/none" expect 0 "there is no OpenCL device: install a d
 OCL_ICD_VENDORS="$scratch/none" expect 0 '"opencl_devices": []' doctor --json
 expect 0 "morgagni evaluate recording" evaluate recording --help
 expect 0 "morgagni evaluate bound" evaluate bound --help
+expect 0 "morgagni evaluate self-calibration" evaluate self-calibration --help
 expect 0 "morgagni evaluate starts" evaluate starts --help
 expect 0 "morgagni evaluate studies" evaluate studies --help
 expect 0 "morgagni pacs query" pacs query --help
@@ -84,6 +85,8 @@ expect 1 "num_vertices" prepare "$scratch/nowhere.nii" --case "$scratch/case" --
 mkdir "$scratch/pictures" && touch "$scratch/pictures/holiday.jpg"
 expect 1 "is no case" prepare "$scratch/nowhere.nii" --case "$scratch/pictures"
 expect 1 "is no prepared case" serve --case "$scratch/pictures"
+expect 1 "is no prepared case" self-calibrate --case "$scratch/pictures"
+expect 2 "--views" self-calibrate --case "$scratch/pictures" --views 19
 expect 1 "no such case folder" serve --case "$scratch/missing"
 expect 1 "--method must be field, icp, trimmed-icp, anisotropic-icp" serve --case "$scratch/missing" --method magic
 expect 1 "--start-side must be" serve --case "$scratch/missing" --start-side top

@@ -13,6 +13,7 @@ namespace mor {
 void add_prepare_command(CLI::App& app);
 void add_serve_command(CLI::App& app);
 void add_record_command(CLI::App& app);
+void add_self_calibrate_command(CLI::App& app);
 void add_evaluate_command(CLI::App& app);
 void add_document_command(CLI::App& app);
 void add_calibrate_command(CLI::App& app);

@@ -12,6 +12,7 @@ void add_evaluate_command(CLI::App& app) {
   command->require_subcommand(1);
   add_evaluate_bound_command(*command);
   add_evaluate_recording_command(*command);
+  add_evaluate_self_calibration_command(*command);
   add_evaluate_starts_command(*command);
   add_evaluate_studies_command(*command);
   add_evaluate_texture_command(*command);

@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
   mor::add_prepare_command(app);
   mor::add_serve_command(app);
   mor::add_record_command(app);
+  mor::add_self_calibrate_command(app);
   mor::add_document_command(app);
   mor::add_evaluate_command(app);
   mor::add_pacs_command(app);

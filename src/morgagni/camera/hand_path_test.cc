@@ -37,7 +37,8 @@ TEST(HandPath, MovesNoFasterThanACarefulHandAndKeepsTheBodyInView) {
                              .center_x_px = 319.5,
                              .center_y_px = 239.5};
   constexpr double kStepS = 1.0 / 30.0;
-  for (const auto path : {SimulatedPath::kOrbit, SimulatedPath::kSway, SimulatedPath::kPass}) {
+  for (const auto path :
+       {SimulatedPath::kOrbit, SimulatedPath::kSway, SimulatedPath::kPass, SimulatedPath::kSweep}) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
       const HandPath hand(kHead, 700.0, path, seed);
       double travelled_mm = 0.0;

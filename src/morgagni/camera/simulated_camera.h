@@ -19,6 +19,7 @@ enum class SimulatedPath : std::uint8_t {
   kStill,  ///< A tripod.
   kViews,  ///< No path: each frame from a random place of its own (internal/view_places.h).
   kPass,   ///< A hand that documents: around the body from one side to the other, in 100 s or so.
+  kSweep,  ///< A hand that calibrates: near and far, rolled, the body all over the picture.
 };
 
 /// What the camera sees and the CT does not have, in depth and colour. Made anew for every frame of
@@ -47,7 +48,8 @@ struct SimulatedCameraOptions {
       std::nullopt;  ///< [distance] To the body's foremost point at the start,
                      ///< 400..1500; by default far enough for the body to fit. With path=views
                      ///< to the skin looked at, by default 500..1200 at random.
-  SimulatedPath path = SimulatedPath::kOrbit;  ///< [path] orbit | sway | still | views | pass.
+  SimulatedPath path = SimulatedPath::kOrbit;  ///< [path] orbit | sway | still | views | pass |
+                                               ///< sweep.
   SimulatedClutter clutter =
       SimulatedClutter::kNone;  ///< [clutter] none | hand | towel | parts | all.
   double bias_mm = 0.0;  ///< [bias] 0..20: systematic depth error, root mean square at 800 mm, of a

@@ -33,7 +33,7 @@ Result<bool> set_camera(const KeyValue& pair, SimulatedCameraOptions& options) {
     MOR_TRY(options.distance_mm, internal::parse_number(pair, 400.0, 1500.0));
   } else if (pair.key == "path") {
     MOR_TRY(const auto choice,
-            internal::parse_choice(pair, {"orbit", "sway", "still", "views", "pass"}));
+            internal::parse_choice(pair, {"orbit", "sway", "still", "views", "pass", "sweep"}));
     options.path = static_cast<SimulatedPath>(choice);
   } else if (pair.key == "frames") {
     MOR_TRY(options.num_frames, internal::parse_count(pair, 0, kMaxFrames));

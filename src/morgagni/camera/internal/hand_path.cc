@@ -47,6 +47,14 @@ constexpr std::array<Swing, 7> kPassSwings = {{{70.0 * kDegree, 100.0},
                                                {2.0 * kDegree, 14.5},
                                                {4.0 * kDegree, 19.0},
                                                {12.0, 11.0}}};
+/// Near and far, rolled, and the body through much of the picture, as self-calibration wants it.
+constexpr std::array<Swing, 7> kSweepSwings = {{{16.0 * kDegree, 31.0},
+                                                {7.0 * kDegree, 23.0},
+                                                {160.0, 25.0},
+                                                {4.0 * kDegree, 13.0},
+                                                {4.0 * kDegree, 15.5},
+                                                {25.0 * kDegree, 21.0},
+                                                {12.0, 9.0}}};
 /// How far from straight in front the path begins: a user aims by eye.
 constexpr std::array<double, 7> kStartReach = {
     2.5 * kDegree, 2.5 * kDegree, 15.0, 1.0 * kDegree, 1.0 * kDegree, 2.0 * kDegree, 8.0};
@@ -66,6 +74,7 @@ HandPath::HandPath(const Eigen::AlignedBox3f& bounds,
       target_(bounds.center().cast<double>()),
       target_distance_mm_(distance_mm + 0.5 * static_cast<double>(bounds.sizes().y())) {
   const auto& swings = path == SimulatedPath::kPass    ? kPassSwings
+                       : path == SimulatedPath::kSweep ? kSweepSwings
                        : path == SimulatedPath::kOrbit ? kOrbitSwings
                                                        : kSwaySwings;
   for (std::size_t i = 0; i < kNumMotions; ++i) {

@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <spdlog/fmt/fmt.h>
+
+#include "morgagni/casefile/case.h"
+#include "morgagni/core/files.h"
+#include "morgagni/core/progress.h"
+#include "morgagni/evaluation/self_calibration_evaluation.h"
+
+#include "evaluate/commands.h"
+#include "exit.h"
+#include "options.h"
+
+namespace mor {
+namespace {
+
+struct Arguments {
+  std::vector<std::filesystem::path> folders;
+  std::filesystem::path out;
+  SelfCalibrationStudyOptions options;
+};
+
+/// What each body is shown with, after its name.
+struct Shown {
+  const char* name;
+  const char* camera;
+  AddedBias added = AddedBias::kNone;
+  double added_mm = 0.0;
+  double changed_skin_mm = 0.0;
+};
+constexpr Shown kShown[] = {
+    {", no bias", "path=sweep"},
+    {", no bias, hand", "path=sweep,clutter=hand"},
+    {", no bias, all clutter", "path=sweep,clutter=all"},
+    {", no bias, small motion", "path=orbit"},
+    {", no bias, skin changed 1 mm", "path=sweep", AddedBias::kNone, 0.0, 1.0},
+    {", bias 3 mm", "path=sweep,bias=3"},
+    {", bias 5 mm", "path=sweep,bias=5"},
+    {", bias 3 mm, views all around", "path=views,bias=3"},
+    {", bias 3 mm, small motion", "path=orbit,bias=3"},
+    {", bias 3 mm, hand", "path=sweep,bias=3,clutter=hand"},
+    {", fixed bias 3 mm", "path=sweep", AddedBias::kFixed, 3.0},
+    {", square bias 3 mm", "path=sweep", AddedBias::kSquare, 3.0},
+    {", bias 3 mm, focal 1 %", "path=sweep,bias=3,focal=1"},
+    {", bias 3 mm, skin changed 1 mm", "path=sweep,bias=3", AddedBias::kNone, 0.0, 1.0},
+};
+
+void evaluate(const Arguments& arguments) {
+  std::vector<SelfCalibrationGroup> groups;
+  for (const auto& folder : arguments.folders) {
+    const auto body = value_or_exit(load_case(folder));
+    for (const auto& shown : kShown) {
+      groups.push_back({body.name + shown.name,
+                        body.skin,
+                        shown.camera,
+                        shown.added,
+                        shown.added_mm,
+                        shown.changed_skin_mm});
+    }
+  }
+  const auto runs =
+      value_or_exit(run_self_calibration_study(groups, arguments.options, console_progress()));
+  fmt::print("{}\n", to_markdown(groups, runs));
+  if (arguments.out.empty()) return;
+  std::filesystem::create_directories(arguments.out);
+  value_or_exit(write_file(arguments.out / "self-calibration.md", to_markdown(groups, runs)));
+  value_or_exit(write_file(arguments.out / "self-calibration.json",
+                           to_json(groups, runs, arguments.options) + "\n"));
+}
+
+}  // namespace
+
+void add_evaluate_self_calibration_command(CLI::App& evaluate_app) {
+  auto arguments = std::make_shared<Arguments>();
+  auto& options = arguments->options;
+  auto* command = evaluate_app.add_subcommand(
+      "self-calibration",
+      "How much nearer the body's points come when the sensor's error is found on the CT skin");
+  command->add_option("--case", arguments->folders, "Folders that `morgagni prepare` made")
+      ->required();
+  command->add_option("--first-seed", options.first_seed, "Below 1000: what it was set on")
+      ->capture_default_str();
+  command->add_option("--seeds", options.num_seeds, "A body and kind of scene")
+      ->capture_default_str();
+  command->add_option("--views", options.num_views, "That the estimate sees")
+      ->capture_default_str();
+  command->add_option("--held", options.num_held, "Frames at which the error is measured")
+      ->capture_default_str();
+  command->add_option("--out", arguments->out, "Write self-calibration.md and .json there")
+      ->type_name("DIR");
+  add_depth_options(*command, options.depth);
+  command->footer(
+      "Example:\n"
+      "  morgagni evaluate self-calibration --case cases/head cases/torso --seeds 5 --out found");
+  command->callback([arguments] { evaluate(*arguments); });
+}
+
+}  // namespace mor

@@ -1,0 +1,524 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/calibration/self_calibration.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <spdlog/fmt/fmt.h>
+
+#include "morgagni/calibration/internal/bundle.h"
+#include "morgagni/calibration/internal/sensor_model.h"
+#include "morgagni/calibration/internal/skin_model.h"
+#include "morgagni/core/statistics.h"
+
+namespace mor {
+namespace {
+
+using internal::Bundle;
+using internal::BundleModel;
+using internal::BundleState;
+using internal::SensorModel;
+using internal::SensorReading;
+using internal::SkinModel;
+
+constexpr std::size_t kLeastViews = 20;
+constexpr double kSkinSpacingPerReach = 0.9;
+/// A correction that moves the body by less is not worth having.
+constexpr double kLeastShiftMm = 0.3;
+/// Where more than this share of what a sensor can do to a pose stays unknown, the camera has moved
+/// too little.
+constexpr double kMostRemainingShare = 0.6;
+/// With a skin that has changed by more, root mean square, corrections were seen to do harm.
+constexpr double kMostSkinMm = 0.3;
+/// A shift of more than so many of the prior's standard deviations is none of a sensor's.
+constexpr double kMostPlausible = 2.5;
+constexpr double kLeastSignificance = 3.0;
+constexpr double kLeastGain = 0.01;
+/// Expectations are drawn anew so often.
+constexpr int kPasses = 3;
+constexpr float kNoResidual = std::numeric_limits<float>::max();
+
+Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& covariance) {
+  return covariance.llt().solve(Eigen::MatrixXd::Identity(covariance.rows(), covariance.cols()));
+}
+
+/// One model's fit to all views, with the expectations drawn where it ended.
+struct ModelFit {
+  BundleModel model;
+  BundleState state;
+  std::vector<Bundle::View> views;
+};
+
+double mean_sq_mm2(const internal::ViewFit& fit) {
+  return fit.sum_sq_mm2 / std::max(1e-9, fit.sum_weights);
+}
+
+class Estimation {
+ public:
+  Estimation(const TriangleMesh& skin,
+             const PinholeCamera& depth,
+             const std::vector<SkinView>& views,
+             const SelfCalibrationOptions& options)
+      : mesh_(skin),
+        depth_(depth),
+        views_(views),
+        options_(options),
+        sensor_(depth, options),
+        skin_(skin.bounds().cast<double>(), kSkinSpacingPerReach * options.skin_reach_mm),
+        pivot_mm_(skin.bounds().center().cast<double>()) {
+    for (const auto& view : views) start_.ct_from_depth.push_back(view.ct_from_depth);
+    start_.values = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(sensor_.size()));
+    find_seen_skin();
+    start_.values = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(sensor_.size() + skin_.size()));
+    set_prior();
+  }
+
+  [[nodiscard]] SelfCalibration run() {
+    SelfCalibration result;
+    result.num_views = static_cast<int>(views_.size());
+    result.num_parameters = static_cast<int>(sensor_.size());
+    if (views_.size() < 5) return result;
+    ModelFit full{BundleModel::kSensorAndSkin, start_, {}};
+    fit(full, kPasses);
+    const auto scatter = scatter_of(full);
+    result.noise_ratio = scatter.ratio;
+    result.correlated_readings = scatter.correlated;
+    weight_factor_ = weight_factor_for(scatter, full);
+    fit(full, 1);
+    describe(full.state, result);
+    const Bundle bundle(sensor_, skin_.size(), full.views, prior_precision_, pivot_mm_);
+    add_uncertainty(bundle.information(all_views(), full.state), full.state, result);
+    if (views_.size() < kLeastViews) return result;
+    result.held_out = hold_out(full);
+    result.verdict = judge(result);
+    return result;
+  }
+
+ private:
+  void find_seen_skin() {
+    for (const auto& view : expected_views(start_)) {
+      for (const auto& reading : view.readings) {
+        if (!(reading.weight > 0.0F)) continue;
+        skin_.touch(reading.place_mm);
+        seen_.push_back(reading.place_mm);
+      }
+    }
+    skin_.settle();
+  }
+
+  /// The camera as these values have it.
+  [[nodiscard]] PinholeCamera camera_of(const BundleState& state) const {
+    const double* pinhole = state.values.data() + 2 * sensor_.num_nodes();
+    PinholeCamera camera = depth_;
+    camera.focal_x_px *= 1.0 + pinhole[0];
+    camera.focal_y_px *= 1.0 + pinhole[1];
+    camera.center_x_px += pinhole[2] * depth_.focal_x_px;
+    camera.center_y_px += pinhole[3] * depth_.focal_y_px;
+    return camera;
+  }
+
+  [[nodiscard]] std::vector<Bundle::View> expected_views(const BundleState& state) const {
+    const PinholeCamera camera = camera_of(state);
+    std::vector<Bundle::View> result(views_.size());
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      const Eigen::Isometry3d& pose = state.ct_from_depth[i];
+      const auto picture = expected_depth(mesh_, camera, pose);
+      result[i].readings.reserve(views_[i].readings.size());
+      for (const auto& read : views_[i].readings) {
+        auto reading = sensor_.reading(read);
+        const auto expected = expected_reading(read, picture, camera);
+        if (expected.z_mm > 0.0F) set_expected(expected, camera, pose, read, reading);
+        result[i].readings.push_back(reading);
+      }
+    }
+    return result;
+  }
+
+  void set_expected(const ExpectedReading& expected,
+                    const PinholeCamera& camera,
+                    const Eigen::Isometry3d& pose,
+                    const SkinReading& read,
+                    SensorReading& reading) const {
+    const Eigen::Vector2d ray = camera.ray(read.pixel.cast<double>());
+    const Eigen::Vector3d direction(ray.x(), ray.y(), 1.0);
+    const Eigen::Vector3d normal = expected.normal.cast<double>();
+    const double cosine = -normal.dot(direction.normalized());
+    reading.place_mm = pose * (static_cast<double>(expected.z_mm) * direction);
+    reading.normal = pose.linear() * normal;
+    reading.weight = static_cast<float>(
+        weight_factor_ * SensorModel::weight(static_cast<double>(expected.z_mm), cosine));
+    reading.on_skin_model = skin_.weights(reading.place_mm, reading.skin_index, reading.skin_share);
+  }
+
+  /// Draws the expectations where the state is and fits to them, so many times.
+  void fit(ModelFit& fitted, int num_passes) const {
+    for (int pass = 0; pass < num_passes; ++pass) {
+      fitted.views = expected_views(fitted.state);
+      const Bundle bundle(sensor_, skin_.size(), fitted.views, prior_precision_, pivot_mm_);
+      bundle.fit(all_views(), fitted.model, fitted.state);
+    }
+  }
+
+  void set_prior() {
+    const auto sensor = static_cast<Eigen::Index>(sensor_.size());
+    const auto skin = static_cast<Eigen::Index>(skin_.size());
+    sensor_prior_ = sensor_.prior_covariance();
+    prior_precision_ = Eigen::MatrixXd::Zero(sensor + skin, sensor + skin);
+    prior_precision_.topLeftCorner(sensor, sensor) = inverse_of(sensor_prior_);
+    prior_precision_.bottomRightCorner(skin, skin) =
+        inverse_of(skin_.prior_covariance(options_.skin_mm, options_.skin_reach_mm));
+  }
+
+  [[nodiscard]] std::vector<std::size_t> all_views() const {
+    std::vector<std::size_t> all(views_.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    return all;
+  }
+
+  void describe(const BundleState& state, SelfCalibration& result) const {
+    const auto nodes = static_cast<Eigen::Index>(sensor_.num_nodes());
+    const double* values = state.values.data();
+    auto& correction = result.correction;
+    correction.columns = sensor_.columns();
+    correction.rows = sensor_.rows();
+    correction.control.clear();
+    for (Eigen::Index i = 0; i < nodes; ++i) {
+      const double growing_mm = values[i];
+      const double fixed_mm = values[nodes + i];
+      correction.control.push_back(
+          {-fixed_mm, (growing_mm + fixed_mm) / SensorModel::kReferenceMm, 0.0});
+    }
+    set_range(correction);
+    const double* pinhole = values + 2 * nodes;
+    result.focal_x_ratio = pinhole[0];
+    result.focal_y_ratio = pinhole[1];
+    result.depth = camera_of(state);
+    result.center_px = {result.depth.center_x_px - depth_.center_x_px,
+                        result.depth.center_y_px - depth_.center_y_px};
+    result.skin_rms_mm = skin_rms_mm(state);
+  }
+
+  /// It holds where the skin was seen, and a little beyond.
+  void set_range(DepthCorrection& correction) const {
+    constexpr double kBeyondMm = 100.0;
+    double near_mm = correction.far_mm;
+    double far_mm = correction.near_mm;
+    for (const auto& view : views_) {
+      for (const auto& reading : view.readings) {
+        near_mm = std::min(near_mm, static_cast<double>(reading.z_mm));
+        far_mm = std::max(far_mm, static_cast<double>(reading.z_mm));
+      }
+    }
+    if (!(near_mm < far_mm)) return;
+    correction.near_mm = std::max(1.0, near_mm - kBeyondMm);
+    correction.far_mm = far_mm + kBeyondMm;
+  }
+
+  [[nodiscard]] double skin_rms_mm(const BundleState& state) const {
+    std::array<std::uint16_t, SkinModel::kNumTouched> index{};
+    std::array<float, SkinModel::kNumTouched> share{};
+    double squares = 0.0;
+    for (const auto& place : seen_) {
+      if (!skin_.weights(place, index, share)) continue;
+      double value = 0.0;
+      for (std::size_t i = 0; i < index.size(); ++i) {
+        value += static_cast<double>(share[i]) *
+                 state.values[static_cast<Eigen::Index>(sensor_.size() + index[i])];
+      }
+      squares += value * value;
+    }
+    return seen_.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(seen_.size()));
+  }
+
+  /// Mean over places on the skin of J^T J: a small motion's mean square displacement.
+  [[nodiscard]] Eigen::Matrix<double, 6, 6> displacement_form(const Eigen::Vector3d& pivot) const {
+    Eigen::Matrix<double, 6, 6> form = Eigen::Matrix<double, 6, 6>::Zero();
+    constexpr std::size_t kPlaces = 500;
+    const std::size_t step = std::max<std::size_t>(1, seen_.size() / kPlaces);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < seen_.size(); i += step, ++count) {
+      const Eigen::Vector3d arm = seen_[i] - pivot;
+      Eigen::Matrix<double, 3, 6> jacobian;
+      jacobian << 0.0, arm.z(), -arm.y(), 1.0, 0.0, 0.0,  //
+          -arm.z(), 0.0, arm.x(), 0.0, 1.0, 0.0,          //
+          arm.y(), -arm.x(), 0.0, 0.0, 0.0, 1.0;
+      form += jacobian.transpose() * jacobian;
+    }
+    return form / static_cast<double>(std::max<std::size_t>(1, count));
+  }
+
+  void add_uncertainty(const internal::BundleInformation& information,
+                       const BundleState& state,
+                       SelfCalibration& result) const {
+    const auto sensor = static_cast<Eigen::Index>(sensor_.size());
+    const Eigen::MatrixXd posterior = inverse_of(information.matrix + prior_precision_);
+    // How far the sensor's part of the values moves the poses found without it.
+    const auto form = displacement_form(information.pivot_mm);
+    double shift_sq = 0.0;
+    double remaining_sq = 0.0;
+    double before_sq = 0.0;
+    const Eigen::VectorXd values = state.values.head(sensor);
+    for (const auto& follows : information.pose_from_values) {
+      const Eigen::MatrixXd of_sensor = follows.leftCols(sensor);
+      const Eigen::Matrix<double, 6, 1> move = of_sensor * values;
+      shift_sq += move.dot(form * move);
+      const Eigen::MatrixXd left = posterior.topLeftCorner(sensor, sensor) * of_sensor.transpose();
+      remaining_sq += (form * (of_sensor * left)).trace();
+      const Eigen::MatrixXd at_first = sensor_prior_ * of_sensor.transpose();
+      before_sq += (form * (of_sensor * at_first)).trace();
+    }
+    const auto count =
+        static_cast<double>(std::max<std::size_t>(1, information.pose_from_values.size()));
+    result.shift_mm = std::sqrt(shift_sq / count);
+    result.remaining_mm = std::sqrt(std::max(0.0, remaining_sq / count));
+    result.before_mm = std::sqrt(before_sq / count);
+    result.num_open = num_open(posterior.topLeftCorner(sensor, sensor));
+  }
+
+  /// Directions, measured by the prior, in which the posterior keeps more than half its variance.
+  [[nodiscard]] int num_open(const Eigen::MatrixXd& posterior) const {
+    const Eigen::LLT<Eigen::MatrixXd> prior(sensor_prior_);
+    Eigen::MatrixXd white = prior.matrixL().solve(posterior);
+    white = prior.matrixL().solve(white.transpose()).eval();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(white, Eigen::EigenvaluesOnly);
+    return static_cast<int>((solver.eigenvalues().array() > 0.5).count());
+  }
+
+  [[nodiscard]] HeldOutFit hold_out(const ModelFit& full) const {
+    ModelFit as_is{BundleModel::kPoses, start_, {}};
+    ModelFit skin{BundleModel::kSkin, start_, {}};
+    fit(as_is, kPasses);
+    fit(skin, kPasses);
+    HeldOutFit result;
+    result.num_folds = options_.num_folds;
+    std::vector<double> gains;
+    internal::ViewFit all_as_is;
+    internal::ViewFit all_skin;
+    internal::ViewFit all_sensor;
+    const auto add = [](internal::ViewFit& sum, const internal::ViewFit& fit) {
+      sum.sum_sq_mm2 += fit.sum_sq_mm2;
+      sum.sum_weights += fit.sum_weights;
+    };
+    for (int fold = 0; fold < options_.num_folds; ++fold) {
+      std::vector<std::size_t> train;
+      std::vector<std::size_t> test;
+      for (std::size_t i = 0; i < views_.size(); ++i) {
+        const bool is_held = static_cast<int>(i * static_cast<std::size_t>(options_.num_folds) /
+                                              views_.size()) == fold;
+        (is_held ? test : train).push_back(i);
+      }
+      const auto of_skin = judge_views(skin, train, test);
+      const auto of_sensor = judge_views(full, train, test);
+      add(all_as_is, judge_views(as_is, train, test));
+      add(all_skin, of_skin);
+      add(all_sensor, of_sensor);
+      const double gain = mean_sq_mm2(of_skin) - mean_sq_mm2(of_sensor);
+      gains.push_back(gain);
+      if (gain > 0.0) ++result.num_better;
+    }
+    result.as_it_is_mm = std::sqrt(mean_sq_mm2(all_as_is));
+    result.skin_mm = std::sqrt(mean_sq_mm2(all_skin));
+    result.sensor_mm = std::sqrt(mean_sq_mm2(all_sensor));
+    const auto count = static_cast<double>(gains.size());
+    const double mean = std::accumulate(gains.begin(), gains.end(), 0.0) / count;
+    double squares = 0.0;
+    for (const double gain : gains) squares += (gain - mean) * (gain - mean);
+    const double standard_error = std::sqrt(squares / (count * (count - 1.0)));
+    result.significance = mean / std::max(1e-9, standard_error);
+    return result;
+  }
+
+  /// How well a model that was fitted to some views explains others, each at its best pose.
+  [[nodiscard]] internal::ViewFit judge_views(const ModelFit& fitted,
+                                              const std::vector<std::size_t>& train,
+                                              const std::vector<std::size_t>& test) const {
+    const Bundle bundle(sensor_, skin_.size(), fitted.views, prior_precision_, pivot_mm_);
+    BundleState state = fitted.state;
+    state.values.setZero();
+    bundle.fit(train, fitted.model, state);
+    internal::ViewFit sum;
+    for (const std::size_t view : test) {
+      bundle.fit_pose(view, state);
+      const auto fit = bundle.judge(view, state);
+      sum.sum_sq_mm2 += fit.sum_sq_mm2;
+      sum.sum_weights += fit.sum_weights;
+    }
+    return sum;
+  }
+
+  /// How the residuals of a fit scatter against what single readings would.
+  struct Scatter {
+    double ratio = 1.0;       ///< Standard deviation over that of single readings.
+    double correlated = 1.0;  ///< Readings that err together count as one: so many.
+  };
+
+  [[nodiscard]] Scatter scatter_of(const ModelFit& fitted) const {
+    const Bundle bundle(sensor_, skin_.size(), fitted.views, prior_precision_, pivot_mm_);
+    const int columns = depth_.width_px / SkinReading::kBlockPx + 1;
+    const int rows = depth_.height_px / SkinReading::kBlockPx + 1;
+    std::vector<Image<float>> pictures;
+    std::vector<double> sizes;
+    for (std::size_t i = 0; i < views_.size(); ++i) {
+      Image<float> picture(columns, rows, kNoResidual);
+      const auto residuals = bundle.residuals(i, fitted.state);
+      for (std::size_t k = 0; k < residuals.size(); ++k) {
+        if (!(fitted.views[i].readings[k].weight > 0.0F)) continue;
+        picture(views_[i].readings[k].column, views_[i].readings[k].row) = residuals[k];
+        sizes.push_back(std::abs(static_cast<double>(residuals[k])));
+      }
+      pictures.push_back(std::move(picture));
+    }
+    Scatter scatter;
+    if (sizes.size() < 1000) return scatter;
+    constexpr double kSdPerMedian = 1.4826;
+    scatter.ratio = kSdPerMedian * quantile(std::move(sizes), 0.5);
+    scatter.correlated = correlated_readings(pictures, static_cast<float>(3.0 * scatter.ratio));
+    return scatter;
+  }
+
+  /// Readings count as their scatter says, and all of them together as one that errs by the least
+  /// systematic error: no number of readings averages that out.
+  [[nodiscard]] double weight_factor_for(const Scatter& scatter, const ModelFit& fitted) const {
+    double sum_weights = 0.0;
+    for (const auto& view : fitted.views) {
+      for (const auto& reading : view.readings) {
+        sum_weights += static_cast<double>(reading.weight);
+      }
+    }
+    const double by_scatter = scatter.ratio * scatter.ratio * scatter.correlated;
+    const double least_sq_mm2 = options_.systematic_mm * options_.systematic_mm;
+    return 1.0 / (by_scatter + least_sq_mm2 * sum_weights);
+  }
+
+  /// Sum of the residuals' correlations with those of their neighbours and with those at the same
+  /// place of other views.
+  [[nodiscard]] static double correlated_readings(const std::vector<Image<float>>& pictures,
+                                                  float limit) {
+    constexpr int kReach = 3;
+    const auto is_there = [&](float value) { return std::abs(value) < limit; };
+    const auto correlation = [&](int dx, int dy, std::size_t later) {
+      double products = 0.0;
+      double squares = 0.0;
+      for (std::size_t i = 0; i + later < pictures.size(); ++i) {
+        const auto& a = pictures[i];
+        const auto& b = pictures[i + later];
+        for (int y = std::max(0, -dy); y < a.height() - std::max(0, dy); ++y) {
+          for (int x = std::max(0, -dx); x < a.width() - std::max(0, dx); ++x) {
+            const float first = a(x, y);
+            const float second = b(x + dx, y + dy);
+            if (!is_there(first) || !is_there(second)) continue;
+            products += static_cast<double>(first * second);
+            squares += 0.5 * static_cast<double>(first * first + second * second);
+          }
+        }
+      }
+      return squares > 0.0 ? std::max(0.0, products / squares) : 0.0;
+    };
+    double in_picture = 1.0;
+    for (int dy = 0; dy <= kReach; ++dy) {
+      for (int dx = -kReach; dx <= kReach; ++dx) {
+        if (dy == 0 && dx <= 0) continue;
+        in_picture += 2.0 * correlation(dx, dy, 0);
+      }
+    }
+    const double in_time = correlation(0, 0, std::max<std::size_t>(1, pictures.size() / 2));
+    return in_picture * (1.0 + in_time * static_cast<double>(pictures.size() - 1));
+  }
+
+  [[nodiscard]] static SelfCalibrationVerdict judge(const SelfCalibration& result) {
+    const auto& held = result.held_out;
+    const double gain = 1.0 - held.sensor_mm / held.skin_mm;
+    const bool explains = held.significance > kLeastSignificance && gain > kLeastGain &&
+                          held.num_better == held.num_folds;
+    // So far off is no sensor: a cover, or another body.
+    const bool is_plausible = result.shift_mm < kMostPlausible * result.before_mm;
+    if (!explains || !is_plausible) return SelfCalibrationVerdict::kNoError;
+    if (result.skin_rms_mm > kMostSkinMm) return SelfCalibrationVerdict::kSkinChanged;
+    if (result.remaining_mm > kMostRemainingShare * result.before_mm) {
+      return SelfCalibrationVerdict::kTooLittleMotion;
+    }
+    return result.shift_mm < kLeastShiftMm ? SelfCalibrationVerdict::kSmall
+                                           : SelfCalibrationVerdict::kError;
+  }
+
+  const TriangleMesh& mesh_;
+  const PinholeCamera& depth_;
+  const std::vector<SkinView>& views_;
+  const SelfCalibrationOptions& options_;
+  SensorModel sensor_;
+  SkinModel skin_;
+  Eigen::Vector3d pivot_mm_;
+  std::vector<Eigen::Vector3d> seen_;
+  BundleState start_;
+  double weight_factor_ = 1.0;
+  Eigen::MatrixXd sensor_prior_;
+  Eigen::MatrixXd prior_precision_;
+};
+
+}  // namespace
+
+std::string_view to_string(SelfCalibrationVerdict verdict) {
+  switch (verdict) {
+    case SelfCalibrationVerdict::kTooFewViews:
+      return "too-few-views";
+    case SelfCalibrationVerdict::kTooLittleMotion:
+      return "too-little-motion";
+    case SelfCalibrationVerdict::kSkinChanged:
+      return "skin-changed";
+    case SelfCalibrationVerdict::kNoError:
+      return "no-error";
+    case SelfCalibrationVerdict::kSmall:
+      return "small";
+    case SelfCalibrationVerdict::kError:
+      return "error";
+  }
+  return "too-few-views";
+}
+
+Result<void> SelfCalibrationOptions::check() const {
+  const auto bad = [](std::string_view what, auto value) {
+    return make_error(ErrorCode::kInvalidArgument, fmt::format("{}, got {}", what, value));
+  };
+  if (columns < 3 || columns > 40) return bad("columns must be in [3, 40]", columns);
+  if (rows < 3 || rows > 40) return bad("rows must be in [3, 40]", rows);
+  if (num_folds < 3 || num_folds > 20) return bad("num_folds must be in [3, 20]", num_folds);
+  for (const double value : {prior.offset_mm,
+                             prior.tilt_mm,
+                             prior.shape_mm,
+                             prior.shape_reach,
+                             prior.not_growing_ratio,
+                             prior.focal_ratio,
+                             prior.focal_difference_ratio,
+                             prior.center_px,
+                             skin_mm,
+                             skin_reach_mm}) {
+    if (!(value > 0.0 && std::isfinite(value))) {
+      return bad("each standard deviation and reach must be above 0", value);
+    }
+  }
+  return {};
+}
+
+Result<SelfCalibration> estimate_self_calibration(const TriangleMesh& skin,
+                                                  const PinholeCamera& depth,
+                                                  const std::vector<SkinView>& views,
+                                                  const SelfCalibrationOptions& options) {
+  MOR_CHECK(options.check());
+  MOR_CHECK(depth.check());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const auto& view = views[i];
+    if (!view.ct_from_depth.matrix().allFinite()) {
+      return make_error(ErrorCode::kInvalidArgument,
+                        fmt::format("view {} has a pose that is not finite", i));
+    }
+  }
+  return Estimation(skin, depth, views, options).run();
+}
+
+}  // namespace mor

@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "morgagni/calibration/skin_readings.h"
+#include "morgagni/camera/depth_correction.h"
+#include "morgagni/core/result.h"
+#include "morgagni/geometry/pinhole_camera.h"
+#include "morgagni/geometry/triangle_mesh.h"
+
+namespace mor {
+
+/// What is known of a range camera's systematic errors before anything was seen: standard
+/// deviations. What the views do not tell stays at the calibration as it is.
+struct SensorPrior {
+  double offset_mm = 4.0;    ///< Of the depth, the same everywhere in the picture, at 800 mm. > 0.
+  double tilt_mm = 3.0;      ///< From the middle to the edge. > 0.
+  double shape_mm = 3.0;     ///< Of the rest, smooth over the picture. > 0.
+  double shape_reach = 0.5;  ///< How smooth: its reach, in half widths of the picture. > 0.
+  /// How far the error does not grow with the distance, as a ratio of the above. > 0.
+  double not_growing_ratio = 0.5;
+  double focal_ratio = 0.006;             ///< Of the focal lengths, both alike. > 0.
+  double focal_difference_ratio = 0.001;  ///< And apart. > 0.
+  double center_px = 1.0;                 ///< Of the principal point, each way. > 0.
+};
+
+struct SelfCalibrationOptions {
+  int columns = 13;  ///< Of control points over the depth picture. 3..40.
+  int rows = 10;     ///< 3..40.
+  SensorPrior prior;
+  double skin_mm = 1.0;         ///< How far the skin may have changed since the CT, smoothly. > 0.
+  double skin_reach_mm = 60.0;  ///< How smoothly. > 0.
+  /// Of any pattern of residuals: what field, noise model and skin leave, root mean square. > 0.
+  double systematic_mm = 0.03;
+  int num_folds = 6;  ///< Of the views in time, each held out once. 3..20.
+
+  [[nodiscard]] Result<void> check() const;
+};
+
+/// What the views say of the camera.
+enum class SelfCalibrationVerdict : std::uint8_t {
+  kTooFewViews,
+  kTooLittleMotion,  ///< Too much of the error would look the same as a pose.
+  kSkinChanged,      ///< The skin is not as in the CT: a sensor's error cannot be told from that.
+  kNoError,          ///< Views that were held out are not explained better: leave it as it is.
+  kSmall,            ///< There is an error, too small to matter or to be sure of.
+  kError,            ///< There is an error; removing it is proposed.
+};
+
+/// "too-few-views", "too-little-motion", "skin-changed", "no-error", "small", "error".
+[[nodiscard]] std::string_view to_string(SelfCalibrationVerdict verdict);
+
+/// How far views that took no part in an estimate lie off the skin, robust root mean square, each
+/// with the pose that suits it best.
+struct HeldOutFit {
+  double as_it_is_mm = 0.0;
+  double skin_mm = 0.0;    ///< With the skin free to have changed.
+  double sensor_mm = 0.0;  ///< And the sensor corrected.
+  /// Mean gain of the sensor's correction over its standard error, both over the folds.
+  double significance = 0.0;
+  int num_better = 0;  ///< Folds that the correction explains better.
+  int num_folds = 0;
+};
+
+struct SelfCalibration {
+  SelfCalibrationVerdict verdict = SelfCalibrationVerdict::kTooFewViews;
+  /// The most likely correction, whatever the verdict, and the pinhole that goes with it.
+  DepthCorrection correction;
+  PinholeCamera depth;
+  HeldOutFit held_out;
+  /// How far the correction moves the body's points, root mean square over skin and views: what the
+  /// tracked poses are estimated to be off.
+  double shift_mm = 0.0;
+  /// What stays unknown of that when it is removed, one standard deviation: errors of a sensor that
+  /// look like a pose.
+  double remaining_mm = 0.0;
+  double before_mm = 0.0;      ///< The same before any view was seen: the prior's.
+  double focal_x_ratio = 0.0;  ///< Found over stated, less 1.
+  double focal_y_ratio = 0.0;
+  Eigen::Vector2d center_px = Eigen::Vector2d::Zero();  ///< Found less stated.
+  double skin_rms_mm = 0.0;                             ///< Change of the skin, where it was seen.
+  int num_parameters = 0;
+  int num_open = 0;  ///< Combinations of them of which the views say less than the prior.
+  int num_views = 0;
+  double noise_ratio = 0.0;          ///< Of the blocks' residuals over single readings' noise.
+  double correlated_readings = 0.0;  ///< So many err together.
+};
+
+/// Separates a camera's systematic error from pose errors and from a changed skin: what is fixed in
+/// the picture, what is free in each view, and what is fixed in the CT (docs/self-calibration.md).
+///
+/// @param skin  The case's, with normals. @param depth  As the views were read with.
+/// @param views  In the order of time. From 20 on something is said.
+/// @errors kInvalidArgument: bad options or camera, a value that is not finite.
+/// @threads Reentrant; one thread. @cost Some seconds for 60 views.
+[[nodiscard]] Result<SelfCalibration> estimate_self_calibration(
+    const TriangleMesh& skin,
+    const PinholeCamera& depth,
+    const std::vector<SkinView>& views,
+    const SelfCalibrationOptions& options = {});
+
+}  // namespace mor

@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/calibration/self_calibration.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "morgagni/registration/testing/test_body.h"
+
+namespace mor {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+const PinholeCamera kCamera{.width_px = 640,
+                            .height_px = 480,
+                            .focal_x_px = 525.0,
+                            .focal_y_px = 525.0,
+                            .center_x_px = 319.5,
+                            .center_y_px = 239.5};
+
+TriangleMesh bumpy_body() {
+  return internal::bumpy_body(60, Eigen::Vector3f::Zero());
+}
+
+/// Near and far, from the sides, rolled.
+Eigen::Isometry3d body_from_camera(int view) {
+  const double t = 0.35 * view;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.rotate(Eigen::AngleAxisd(0.4 * std::sin(t), Eigen::Vector3d::UnitY()) *
+              Eigen::AngleAxisd(0.3 * std::sin(1.3 * t), Eigen::Vector3d::UnitX()));
+  pose.translate(Eigen::Vector3d(
+      40.0 * std::sin(1.7 * t), 30.0 * std::cos(1.1 * t), -680.0 - 220.0 * std::sin(0.7 * t)));
+  pose.rotate(Eigen::AngleAxisd(0.5 * std::sin(0.9 * t), Eigen::Vector3d::UnitZ()));
+  return pose;
+}
+
+/// 3 mm too far at the right edge, 3 mm too near at the left, a bowl on top.
+double bias_mm(int x, int y, double z_mm) {
+  const double u = 2.0 * x / (kCamera.width_px - 1) - 1.0;
+  const double v = 2.0 * y / (kCamera.height_px - 1) - 1.0;
+  return (3.0 * u + 4.0 * (u * u + v * v) - 2.0) * z_mm / 800.0;
+}
+
+/// Standard deviation.
+double spread_mm(const std::vector<double>& values_mm) {
+  double sum = 0.0;
+  double squares = 0.0;
+  for (const double value : values_mm) {
+    sum += value;
+    squares += value * value;
+  }
+  const auto count = static_cast<double>(values_mm.size());
+  return std::sqrt(squares / count - (sum / count) * (sum / count));
+}
+
+/// Views of a sensor that strays sideways as expected_depth() has it, with noise of 1 mm, at poses
+/// off by up to 1 mm and 0.2 degrees.
+std::vector<SkinView> views_of(const TriangleMesh& body, bool has_bias) {
+  std::mt19937_64 random(7);
+  const auto uniform = [&random] {
+    return static_cast<double>(random() >> 11U) * 0x1.0p-53 * 2.0 - 1.0;
+  };
+  std::vector<SkinView> views;
+  for (int i = 0; i < 48; ++i) {
+    const Eigen::Isometry3d truth = body_from_camera(i);
+    const auto drawn = expected_depth(body, kCamera, truth);
+    Image<std::uint16_t> depth_mm(kCamera.width_px, kCamera.height_px, 0);
+    for (int y = 0; y < kCamera.height_px; ++y) {
+      for (int x = 0; x < kCamera.width_px; ++x) {
+        const double z_mm = static_cast<double>(drawn(x, y));
+        if (z_mm <= 0.0) continue;
+        const double noise_mm = uniform() + uniform() + uniform();
+        depth_mm(x, y) = static_cast<std::uint16_t>(
+            std::lround(z_mm + noise_mm + (has_bias ? bias_mm(x, y, z_mm) : 0.0)));
+      }
+    }
+    const Eigen::Isometry3d tracked =
+        truth * Eigen::Translation3d(uniform(), uniform(), uniform()) *
+        Eigen::AngleAxisd(0.2 * kDegree * uniform(), Eigen::Vector3d::UnitZ());
+    views.push_back(read_skin(body, kCamera, depth_mm.view(), tracked));
+  }
+  return views;
+}
+
+TEST(SelfCalibration, FindsASmoothErrorAndProposesToRemoveIt) {
+  const auto body = bumpy_body();
+  const auto found = estimate_self_calibration(body, kCamera, views_of(body, true));
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(to_string(found->verdict), "error");
+  EXPECT_GT(found->held_out.significance, 3.0);
+  EXPECT_LT(found->held_out.sensor_mm, found->held_out.as_it_is_mm);
+  // Where the body was seen the shape is right; its mean looks like a shorter way to the body, and
+  // is held by the prior.
+  std::vector<double> before_mm;
+  std::vector<double> after_mm;
+  for (int y = 160; y < 320; y += 16) {
+    for (int x = 200; x < 440; x += 16) {
+      const double bias = bias_mm(x, y, 680.0);
+      before_mm.push_back(bias);
+      after_mm.push_back(bias + found->correction.add_mm(Eigen::Vector2d(x, y), 640, 480, 680.0));
+    }
+  }
+  EXPECT_LT(spread_mm(after_mm), 0.5 * spread_mm(before_mm));
+}
+
+TEST(SelfCalibration, LeavesASensorWithoutErrorAsItIs) {
+  const auto body = bumpy_body();
+  const auto found = estimate_self_calibration(body, kCamera, views_of(body, false));
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_NE(to_string(found->verdict), "error");
+  EXPECT_LT(found->shift_mm, 1.5);
+}
+
+TEST(SelfCalibration, SaysWhenThereIsTooLittle) {
+  const auto body = bumpy_body();
+  auto views = views_of(body, true);
+  views.resize(19);
+  const auto found = estimate_self_calibration(body, kCamera, views);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(to_string(found->verdict), "too-few-views");
+}
+
+TEST(SelfCalibration, RefusesBadOptionsAndPoses) {
+  const auto body = bumpy_body();
+  const auto options = estimate_self_calibration(body, kCamera, {}, {.columns = 2});
+  ASSERT_FALSE(options);
+  EXPECT_EQ(options.error().message, "columns must be in [3, 40], got 2");
+  std::vector<SkinView> views(1);
+  views[0].ct_from_depth.translation().x() = std::nan("");
+  const auto pose = estimate_self_calibration(body, kCamera, views);
+  ASSERT_FALSE(pose);
+  EXPECT_EQ(pose.error().message, "view 0 has a pose that is not finite");
+}
+
+}  // namespace
+}  // namespace mor

@@ -1,0 +1,318 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/evaluation/self_calibration_evaluation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <ctime>
+#include <numbers>
+#include <random>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
+
+#include "morgagni/camera/simulated_camera.h"
+#include "morgagni/evaluation/recording_evaluation.h"
+#include "morgagni/evaluation/summary.h"
+#include "morgagni/evaluation/target_sampling.h"
+#include "morgagni/registration/visible_place.h"
+
+namespace mor {
+namespace {
+
+constexpr double kStartErrorMm = 5.0;
+constexpr double kStartErrorRad = 2.0 * std::numbers::pi / 180.0;
+constexpr int kTargetsOfAKind = 10;
+/// The hand's swing is full by then.
+constexpr std::uint64_t kFirstFrame = 300;
+
+double uniform(std::mt19937_64& random) {
+  return static_cast<double>(random() >> 11U) * 0x1.0p-53 * 2.0 - 1.0;
+}
+
+double thread_cpu_s() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9;
+}
+
+/// A smooth error over the picture: offset, tilt, bowl and saddle, as control points.
+DepthCorrection make_bias(AddedBias kind, double rms_mm, std::uint64_t seed) {
+  constexpr int kColumns = 25;
+  constexpr int kRows = 19;
+  constexpr double kReferenceMm = 800.0;
+  std::mt19937_64 random(seed ^ 0x53454C46U);
+  std::array<double, 6> shares{};
+  for (double& share : shares) share = uniform(random);
+  std::vector<double> shape;
+  double squares = 0.0;
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      const double x = 2.0 * column / (kColumns - 1) - 1.0;
+      const double y = 2.0 * row / (kRows - 1) - 1.0;
+      shape.push_back(shares[0] + shares[1] * x + shares[2] * y +
+                      shares[3] * (x * x + y * y - 2.0 / 3.0) + shares[4] * x * y +
+                      shares[5] * std::sin(2.5 * x) * std::cos(2.0 * y));
+      squares += shape.back() * shape.back();
+    }
+  }
+  const double scale_mm = rms_mm / std::sqrt(squares / static_cast<double>(shape.size()));
+  DepthCorrection bias{.columns = kColumns, .rows = kRows, .control = {}, .curve = {}};
+  for (const double value : shape) {
+    const double amount_mm = scale_mm * value;
+    bias.control.push_back(
+        kind == AddedBias::kFixed
+            ? DepthCorrection::Coefficients{amount_mm, 0.0, 0.0}
+            : DepthCorrection::Coefficients{0.0, 0.0, amount_mm / (kReferenceMm * kReferenceMm)});
+  }
+  return bias;
+}
+
+/// The body as it is now: its skin moved along the normals by a sum of waves of 150 to 400 mm.
+TriangleMesh changed_skin(TriangleMesh skin, double rms_mm, std::uint64_t seed) {
+  struct Wave {
+    Eigen::Vector3d per_mm;
+    double phase;
+  };
+  std::mt19937_64 random(seed ^ 0x534B494EU);
+  std::vector<Wave> waves;
+  while (waves.size() < 12) {
+    const Eigen::Vector3d direction(uniform(random), uniform(random), uniform(random));
+    if (direction.norm() > 1.0 || direction.norm() < 0.1) continue;
+    const double length_mm = 275.0 + 125.0 * uniform(random);
+    waves.push_back({2.0 * std::numbers::pi / length_mm * direction.normalized(),
+                     std::numbers::pi * uniform(random)});
+  }
+  std::vector<double> moves;
+  double squares = 0.0;
+  for (const auto& vertex : skin.vertices) {
+    double move = 0.0;
+    for (const auto& wave : waves) {
+      move += std::sin(wave.per_mm.dot(vertex.cast<double>()) + wave.phase);
+    }
+    moves.push_back(move);
+    squares += move * move;
+  }
+  const double scale_mm = rms_mm / std::sqrt(squares / static_cast<double>(moves.size()));
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    skin.vertices[i] += static_cast<float>(scale_mm * moves[i]) * skin.normals[i];
+  }
+  return skin;
+}
+
+/// One group and seed.
+class SeedRun {
+ public:
+  SeedRun(const SelfCalibrationGroup& group, const SelfCalibrationStudyOptions& options)
+      : group_(group), options_(options) {}
+
+  [[nodiscard]] Result<SelfCalibrationRun> run(std::uint64_t seed) {
+    MOR_CHECK(prepare(seed));
+    SelfCalibrationRun run;
+    run.seed = seed;
+    const PinholeCamera stated = camera_->calibration().depth;
+    std::vector<SkinView> views;
+    for (int i = 0; i < options_.num_views; ++i) {
+      const auto id = frame_id(i);
+      const auto depth_mm = picture(id);
+      MOR_TRY(const auto pose, align(depth_mm, stated, start_near(id)));
+      views.push_back(read_skin(group_.body->mesh, stated, depth_mm.view(), pose));
+    }
+    const double started_s = thread_cpu_s();
+    MOR_TRY(run.found,
+            estimate_self_calibration(group_.body->mesh, stated, views, options_.estimate));
+    run.cpu_s = thread_cpu_s() - started_s;
+    for (int i = 0; i < options_.num_held; ++i) {
+      const auto id = frame_id(options_.num_views + i) + 7;
+      const auto depth_mm = picture(id);
+      const auto corrected = run.found.correction.apply(depth_mm.view());
+      const Eigen::Isometry3d start = start_near(id);
+      const Eigen::Isometry3d truth = camera_->ct_from_camera(id);
+      MOR_TRY(const auto before, align(depth_mm, stated, start));
+      MOR_TRY(const auto after, align(corrected, run.found.depth, start));
+      run.before_mm.push_back(target_registration_error_mm(before, truth, targets_));
+      run.applied_mm.push_back(target_registration_error_mm(after, truth, targets_));
+    }
+    return run;
+  }
+
+ private:
+  Result<void> prepare(std::uint64_t seed) {
+    MOR_TRY(auto camera, SimulatedCameraOptions::parse(group_.camera));
+    camera.seed = seed;
+    camera.is_real_time = false;
+    is_views_ = camera.path == SimulatedPath::kViews;
+    const auto& mesh = group_.body->mesh;
+    const auto skin = std::make_shared<const TriangleMesh>(
+        group_.changed_skin_mm > 0.0 ? changed_skin(mesh, group_.changed_skin_mm, seed) : mesh);
+    MOR_TRY(camera_, SimulatedCamera::create(skin, camera));
+    if (group_.added != AddedBias::kNone) {
+      bias_ = make_bias(group_.added, group_.added_mm, seed);
+    }
+    MOR_TRY(registration_, make_fine_registration(group_.body, {}));
+    MOR_TRY(targets_, sample_skin_targets(mesh, kTargetsOfAKind, 1));
+    MOR_TRY(const auto inner, sample_internal_targets(mesh, kTargetsOfAKind, 1));
+    targets_.insert(targets_.end(), inner.begin(), inner.end());
+    random_.seed(seed);
+    return {};
+  }
+
+  [[nodiscard]] std::uint64_t frame_id(int i) const {
+    const auto at = static_cast<std::uint64_t>(i);
+    return is_views_ ? at : kFirstFrame + at * static_cast<std::uint64_t>(options_.frames_apart);
+  }
+
+  [[nodiscard]] Image<std::uint16_t> picture(std::uint64_t id) const {
+    auto frame = camera_->frame_at(id);
+    return bias_ ? bias_->apply(frame->depth_mm.view()) : frame->depth_mm;
+  }
+
+  [[nodiscard]] Eigen::Isometry3d start_near(std::uint64_t id) {
+    const Eigen::Vector3d center = group_.body->mesh.bounds().center().cast<double>();
+    return perturbed_start(
+        camera_->ct_from_camera(id), center, kStartErrorMm, kStartErrorRad, random_);
+  }
+
+  [[nodiscard]] Result<Eigen::Isometry3d> align(const Image<std::uint16_t>& depth_mm,
+                                                const PinholeCamera& camera,
+                                                const Eigen::Isometry3d& start) const {
+    MOR_TRY(auto extractor, BodySurfaceExtractor::create(camera, options_.depth));
+    MOR_TRY(const auto surface,
+            extractor.extract(depth_mm.view(), places_facing_camera(group_.body->mesh, start)));
+    MOR_TRY(const auto result, registration_->align(surface.cloud, start, StartQuality::kTracked));
+    return result.fixed_from_moving;
+  }
+
+  const SelfCalibrationGroup& group_;
+  const SelfCalibrationStudyOptions& options_;
+  std::unique_ptr<SimulatedCamera> camera_;
+  std::optional<DepthCorrection> bias_;
+  std::unique_ptr<FineRegistration> registration_;
+  std::vector<Target> targets_;
+  std::mt19937_64 random_;
+  bool is_views_ = false;
+};
+
+/// All frames of a group's runs.
+struct GroupErrors {
+  std::vector<double> before_mm, followed_mm, applied_mm;
+  int num_runs = 0;
+  int num_proposed = 0;
+  int num_better = 0;  ///< Frames that gain, by 0.1 mm or more, when the verdict is followed.
+  int num_worse = 0;
+};
+
+GroupErrors collect(const std::vector<SelfCalibrationRun>& runs, std::size_t group) {
+  constexpr double kNoticeableMm = 0.1;
+  GroupErrors errors;
+  for (const auto& run : runs) {
+    if (run.group != group) continue;
+    ++errors.num_runs;
+    if (run.found.verdict == SelfCalibrationVerdict::kError) ++errors.num_proposed;
+    const auto& followed = run.followed_mm();
+    errors.before_mm.insert(errors.before_mm.end(), run.before_mm.begin(), run.before_mm.end());
+    errors.followed_mm.insert(errors.followed_mm.end(), followed.begin(), followed.end());
+    errors.applied_mm.insert(errors.applied_mm.end(), run.applied_mm.begin(), run.applied_mm.end());
+    for (std::size_t i = 0; i < followed.size(); ++i) {
+      if (followed[i] < run.before_mm[i] - kNoticeableMm) ++errors.num_better;
+      if (followed[i] > run.before_mm[i] + kNoticeableMm) ++errors.num_worse;
+    }
+  }
+  return errors;
+}
+
+std::string summary_cells(const std::vector<double>& values_mm) {
+  const auto summary = summarize(values_mm);
+  return fmt::format("{:.2f} ± {:.2f} / {:.2f} / {:.2f} / {:.2f}",
+                     summary.mean,
+                     summary.sd,
+                     summary.median,
+                     summary.p95,
+                     summary.max);
+}
+
+}  // namespace
+
+Result<void> SelfCalibrationStudyOptions::check() const {
+  const auto bad = [](const char* what, int value) {
+    return make_error(ErrorCode::kInvalidArgument, fmt::format("{}, got {}", what, value));
+  };
+  if (num_seeds < 1) return bad("seeds must be at least 1", num_seeds);
+  if (num_views < 20 || num_views > 500) return bad("views must be in [20, 500]", num_views);
+  if (frames_apart < 1) return bad("views must be at least 1 frame apart", frames_apart);
+  if (num_held < 1) return bad("held frames must be at least 1", num_held);
+  MOR_CHECK(estimate.check());
+  return depth.check();
+}
+
+Result<std::vector<SelfCalibrationRun>> run_self_calibration_study(
+    const std::vector<SelfCalibrationGroup>& groups,
+    const SelfCalibrationStudyOptions& options,
+    const Progress& progress) {
+  MOR_CHECK(options.check());
+  std::vector<SelfCalibrationRun> runs;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    for (int k = 0; k < options.num_seeds; ++k) {
+      const auto seed = options.first_seed + static_cast<std::uint64_t>(k);
+      MOR_TRY(auto run, SeedRun(groups[i], options).run(seed));
+      run.group = i;
+      runs.push_back(std::move(run));
+      progress(groups[i].name, static_cast<double>(k + 1) / options.num_seeds);
+    }
+  }
+  return runs;
+}
+
+std::string to_markdown(const std::vector<SelfCalibrationGroup>& groups,
+                        const std::vector<SelfCalibrationRun>& runs) {
+  std::string text =
+      "TRE at held frames in mm: mean ± SD / median / p95 / max.\n\n"
+      "| case | proposed | as it is | verdict followed | frames better / worse | applied always, "
+      "median |\n|---|---|---|---|---|---|\n";
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const auto errors = collect(runs, i);
+    const auto frames = static_cast<double>(std::max<std::size_t>(1, errors.before_mm.size()));
+    text += fmt::format("| {} | {} of {} | {} | {} | {:.0f} / {:.0f} % | {:.2f} |\n",
+                        groups[i].name,
+                        errors.num_proposed,
+                        errors.num_runs,
+                        summary_cells(errors.before_mm),
+                        summary_cells(errors.followed_mm),
+                        100.0 * errors.num_better / frames,
+                        100.0 * errors.num_worse / frames,
+                        summarize(errors.applied_mm).median);
+  }
+  return text;
+}
+
+std::string to_json(const std::vector<SelfCalibrationGroup>& groups,
+                    const std::vector<SelfCalibrationRun>& runs,
+                    const SelfCalibrationStudyOptions& options) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const auto& run : runs) {
+    list.push_back({{"case", groups[run.group].name},
+                    {"camera", groups[run.group].camera},
+                    {"seed", run.seed},
+                    {"verdict", to_string(run.found.verdict)},
+                    {"shift_mm", run.found.shift_mm},
+                    {"remaining_mm", run.found.remaining_mm},
+                    {"skin_rms_mm", run.found.skin_rms_mm},
+                    {"focal_ratio", {run.found.focal_x_ratio, run.found.focal_y_ratio}},
+                    {"held_out_mm",
+                     {run.found.held_out.as_it_is_mm,
+                      run.found.held_out.skin_mm,
+                      run.found.held_out.sensor_mm}},
+                    {"significance", run.found.held_out.significance},
+                    {"tre_before_mm", run.before_mm},
+                    {"tre_applied_mm", run.applied_mm},
+                    {"cpu_s", run.cpu_s}});
+  }
+  return nlohmann::json{{"first_seed", options.first_seed},
+                        {"views", options.num_views},
+                        {"frames_apart", options.frames_apart},
+                        {"runs", list}}
+      .dump(1);
+}
+
+}  // namespace mor

@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "morgagni/calibration/self_calibration.h"
+#include "morgagni/core/progress.h"
+#include "morgagni/core/result.h"
+#include "morgagni/depth/body_surface.h"
+#include "morgagni/registration/fixed_surface.h"
+
+namespace mor {
+
+/// A systematic error of depth that the simulated camera does not have itself, smooth, seeded.
+enum class AddedBias : std::uint8_t {
+  kNone,
+  kFixed,   ///< The same at every distance, as time of flight has it.
+  kSquare,  ///< Grows with the square of the distance, as a wrong disparity does.
+};
+
+/// A body and what the simulated camera shows of it: one line of the table.
+struct SelfCalibrationGroup {
+  std::string name;
+  std::shared_ptr<const FixedSurface> body;
+  std::string camera;  ///< As after `simulated:`; seed and speed are set by the run.
+  AddedBias added = AddedBias::kNone;
+  double added_mm = 0.0;         ///< Root mean square at 800 mm.
+  double changed_skin_mm = 0.0;  ///< The body has changed by so much since its CT, smoothly.
+};
+
+struct SelfCalibrationStudyOptions {
+  std::uint64_t first_seed = 1000;  ///< Below 1000: seeds that the method was set on.
+  int num_seeds = 10;               ///< >= 1.
+  int num_views = 60;               ///< That the estimate sees. 20..500.
+  int frames_apart = 30;            ///< From a view to the next. >= 1.
+  int num_held = 20;                ///< Frames after them, at which the error is measured. >= 1.
+  BodySurfaceOptions depth;
+  SelfCalibrationOptions estimate;
+
+  [[nodiscard]] Result<void> check() const;
+};
+
+/// One seed: the target registration error of the held frames, each registered anew.
+struct SelfCalibrationRun {
+  std::size_t group = 0;
+  std::uint64_t seed = 0;
+  SelfCalibration found;
+  std::vector<double> before_mm;   ///< As the camera is.
+  std::vector<double> applied_mm;  ///< With the correction, whatever the verdict.
+  double cpu_s = 0.0;              ///< Of the estimate.
+
+  /// As a user has it who follows the verdict.
+  [[nodiscard]] const std::vector<double>& followed_mm() const {
+    return found.verdict == SelfCalibrationVerdict::kError ? applied_mm : before_mm;
+  }
+};
+
+/// Draws views and held frames, estimates, and registers the held frames with and without.
+/// The same options, the same runs. @errors kInvalidArgument: bad options or camera names.
+[[nodiscard]] Result<std::vector<SelfCalibrationRun>> run_self_calibration_study(
+    const std::vector<SelfCalibrationGroup>& groups,
+    const SelfCalibrationStudyOptions& options,
+    const Progress& progress);
+
+/// Reports: a table to read, and every run as JSON.
+[[nodiscard]] std::string to_markdown(const std::vector<SelfCalibrationGroup>& groups,
+                                      const std::vector<SelfCalibrationRun>& runs);
+[[nodiscard]] std::string to_json(const std::vector<SelfCalibrationGroup>& groups,
+                                  const std::vector<SelfCalibrationRun>& runs,
+                                  const SelfCalibrationStudyOptions& options);
+
+}  // namespace mor
