@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -27,6 +28,8 @@ struct Arguments {
   std::filesystem::path folder;
   std::string camera;
   std::filesystem::path recording;
+  std::filesystem::path other_folder;
+  bool mirrors = false;
   std::filesystem::path targets;
   std::filesystem::path json;
   std::size_t num_views = 500;
@@ -35,12 +38,32 @@ struct Arguments {
 
 constexpr std::size_t kMaxViews = 100000;
 
+/// As in a mirror: left is right.
+std::shared_ptr<const TriangleMesh> mirrored(const TriangleMesh& mesh) {
+  auto other = std::make_shared<TriangleMesh>(mesh);
+  const float twice_middle = 2.0F * mesh.bounds().center().x();
+  for (auto& vertex : other->vertices) vertex.x() = twice_middle - vertex.x();
+  for (auto& normal : other->normals) normal.x() = -normal.x();
+  for (auto& triangle : other->triangles) std::swap(triangle[1], triangle[2]);
+  return other;
+}
+
+/// What the simulated camera looks at.
+std::shared_ptr<const TriangleMesh> scene_of(const Arguments& arguments, const Case& body) {
+  const Case other =
+      arguments.other_folder.empty() ? body : value_or_exit(load_case(arguments.other_folder));
+  if (arguments.mirrors) return mirrored(other.skin->mesh);
+  return {other.skin, &other.skin->mesh};
+}
+
 StartReport evaluate_simulated(const Arguments& arguments, const Case& body) {
-  const auto skin = std::shared_ptr<const TriangleMesh>(body.skin, &body.skin->mesh);
-  const auto camera = value_or_exit(
-      SimulatedCamera::create(skin, value_or_exit(simulated_camera_option(arguments.camera))));
-  const auto views = [&camera](std::size_t i) -> Result<StartView> {
-    return StartView{camera->frame_at(i), camera->ct_from_camera(i)};
+  const auto camera = value_or_exit(SimulatedCamera::create(
+      scene_of(arguments, body), value_or_exit(simulated_camera_option(arguments.camera))));
+  const bool is_other = arguments.mirrors || !arguments.other_folder.empty();
+  const auto views = [&](std::size_t i) -> Result<StartView> {
+    StartView view{camera->frame_at(i), std::nullopt};
+    if (!is_other) view.ct_from_depth = camera->ct_from_camera(i);
+    return view;
   };
   return value_or_exit(evaluate_starts(
       views, arguments.num_views, body.skin, arguments.options, console_progress()));
@@ -91,12 +114,25 @@ void add_evaluate_starts_command(CLI::App& evaluate_app) {
                                   "simulated:[key=value,...]; path=views: every view for itself")
                      ->default_str("simulated:path=views,seed=1000");
   arguments->camera = "simulated:path=views,seed=1000";
+  auto* recording =
+      command
+          ->add_option("--recording",
+                       arguments->recording,
+                       "In place of a camera: folder in the TUM RGB-D layout with groundtruth.txt "
+                       "and targets.csv")
+          ->excludes(camera);
   command
-      ->add_option("--recording",
-                   arguments->recording,
-                   "In place of a camera: folder in the TUM RGB-D layout with groundtruth.txt and "
-                   "targets.csv")
-      ->excludes(camera);
+      ->add_option("--other-body",
+                   arguments->other_folder,
+                   "Case whose body the simulated camera sees in place of this one's: every start "
+                   "that is found is wrong")
+      ->excludes(recording);
+  command
+      ->add_flag("--mirrored",
+                 arguments->mirrors,
+                 "The simulated camera sees the body's mirror image: every start that is found is "
+                 "wrong")
+      ->excludes(recording);
   command->add_option("--views", arguments->num_views, "How many, each a start of its own")
       ->capture_default_str()
       ->check(CLI::Range(std::size_t{1}, kMaxViews));

@@ -58,10 +58,18 @@ class StartEvaluation {
 
  private:
   [[nodiscard]] Result<const AutomaticStart*> start_for(const StartView& view);
-  [[nodiscard]] Result<double> fine_tre_mm(const StartView& view,
+  [[nodiscard]] Result<void> hold_against(const Eigen::Isometry3d& truth,
+                                          const RgbdFrame& frame,
+                                          StartRun& run) const;
+  [[nodiscard]] Result<double> fine_tre_mm(const RgbdFrame& frame,
+                                           const Eigen::Isometry3d& truth,
                                            const Eigen::Isometry3d& ct_from_depth) const;
   [[nodiscard]] bool is_right(const StartRun& run) const {
-    return run.shift_mm < options_.right_mm && run.rotation_deg < options_.right_deg;
+    return !run.is_other_body && run.shift_mm < options_.right_mm &&
+           run.rotation_deg < options_.right_deg;
+  }
+  [[nodiscard]] bool is_wrong(const StartRun& run) const {
+    return run.is_other_body || run.tre_mm > options_.wrong_tre_mm;
   }
 
   std::shared_ptr<const FixedSurface> fixed_;
@@ -77,47 +85,54 @@ class StartEvaluation {
 Result<const AutomaticStart*> StartEvaluation::start_for(const StartView& view) {
   if (!start_ || options_.knows_gravity) {
     AutomaticStartOptions options = options_.start;
-    if (options_.knows_gravity) {
-      options.gravity = view.ct_from_depth.linear().transpose() * Eigen::Vector3d::UnitY();
+    if (options_.knows_gravity && view.ct_from_depth) {
+      options.gravity = view.ct_from_depth->linear().transpose() * Eigen::Vector3d::UnitY();
     }
     MOR_TRY(start_, AutomaticStart::create(fixed_, view.frame->calibration->depth, options));
   }
   return &*start_;
 }
 
-Result<double> StartEvaluation::fine_tre_mm(const StartView& view,
+Result<double> StartEvaluation::fine_tre_mm(const RgbdFrame& frame,
+                                            const Eigen::Isometry3d& truth,
                                             const Eigen::Isometry3d& ct_from_depth) const {
-  const PinholeCamera& camera = view.frame->calibration->depth;
+  const PinholeCamera& camera = frame.calibration->depth;
   MOR_TRY(auto extractor, BodySurfaceExtractor::create(camera, options_.depth));
   // As the live path does: grown from where the pose shows the body.
   const auto expected = places_facing_camera(fixed_->mesh, ct_from_depth);
-  MOR_TRY(const BodySurface surface, extractor.extract(view.frame->depth_mm.view(), expected));
-  if (surface.cloud.empty()) {
-    return target_registration_error_mm(ct_from_depth, view.ct_from_depth, targets_);
-  }
+  MOR_TRY(const BodySurface surface, extractor.extract(frame.depth_mm.view(), expected));
+  if (surface.cloud.empty()) return target_registration_error_mm(ct_from_depth, truth, targets_);
   MOR_TRY(const auto fine,
           registration_->align(surface.cloud, ct_from_depth, StartQuality::kTracked));
-  return target_registration_error_mm(fine.fixed_from_moving, view.ct_from_depth, targets_);
+  return target_registration_error_mm(fine.fixed_from_moving, truth, targets_);
+}
+
+Result<void> StartEvaluation::hold_against(const Eigen::Isometry3d& truth,
+                                           const RgbdFrame& frame,
+                                           StartRun& run) const {
+  const Eigen::Isometry3d& found = run.result.ct_from_depth;
+  const Eigen::Isometry3d depth_from_ct = truth.inverse();
+  run.shift_mm = displacement_mm(found, truth, depth_from_ct * skin_center_);
+  run.rotation_deg = kDegPerRad * rotation_angle_rad(found * depth_from_ct);
+  run.tre_mm = target_registration_error_mm(found, truth, targets_);
+  if (run.result.status == AutomaticStartStatus::kFound) {
+    MOR_TRY(run.fine_tre_mm, fine_tre_mm(frame, truth, found));
+  }
+  return {};
 }
 
 Result<void> StartEvaluation::add(std::size_t index, const StartView& view) {
   MOR_TRY(const AutomaticStart* start, start_for(view));
   StartRun run;
   run.view = index;
+  run.is_other_body = !view.ct_from_depth;
   const double cpu_before_ms = cpu_ms();
   const auto started = std::chrono::steady_clock::now();
   MOR_TRY(run.result, start->find(view.frame->depth_mm.view()));
   run.wall_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - started).count();
   run.cpu_ms = cpu_ms() - cpu_before_ms;
-  const Eigen::Isometry3d& found = run.result.ct_from_depth;
-  const Eigen::Isometry3d depth_from_ct = view.ct_from_depth.inverse();
-  run.shift_mm = displacement_mm(found, view.ct_from_depth, depth_from_ct * skin_center_);
-  run.rotation_deg = kDegPerRad * rotation_angle_rad(found * depth_from_ct);
-  run.tre_mm = target_registration_error_mm(found, view.ct_from_depth, targets_);
-  if (run.result.status == AutomaticStartStatus::kFound) {
-    MOR_TRY(run.fine_tre_mm, fine_tre_mm(view, found));
-  }
+  if (view.ct_from_depth) MOR_CHECK(hold_against(*view.ct_from_depth, *view.frame, run));
   runs_.push_back(std::move(run));
   return {};
 }
@@ -139,9 +154,8 @@ StartReport StartEvaluation::report() const {
                                                                : report.num_not_found);
       continue;
     }
-    ++(is_right(run)                        ? report.num_right
-       : run.tre_mm > options_.wrong_tre_mm ? report.num_wrong
-                                            : report.num_near);
+    ++(is_right(run) ? report.num_right : is_wrong(run) ? report.num_wrong : report.num_near);
+    if (run.is_other_body) continue;
     shift_mm.push_back(run.shift_mm);
     rotation_deg.push_back(run.rotation_deg);
     fine_mm.push_back(*run.fine_tre_mm);
@@ -156,7 +170,8 @@ StartReport StartEvaluation::report() const {
 }
 
 bool is_found_and_good(const StartRun& run) {
-  return run.result.status == AutomaticStartStatus::kFound && run.tre_mm < 5.0;
+  return !run.is_other_body && run.result.status == AutomaticStartStatus::kFound &&
+         run.tre_mm < 5.0;
 }
 
 }  // namespace
@@ -258,6 +273,11 @@ std::string to_table(const StartReport& report) {
   row("processor time, ms", report.cpu_ms);
   for (const auto& run : report.runs) {
     if (is_found_and_good(run)) continue;
+    if (run.is_other_body) {
+      table += fmt::format(
+          "\nview {}: {}. {}", run.view, to_string(run.result.status), run.result.reason);
+      continue;
+    }
     table += fmt::format("\nview {}: {}, {:.1f} mm and {:.1f} deg off, TRE {:.1f} mm. {}",
                          run.view,
                          to_string(run.result.status),

@@ -32,10 +32,10 @@ struct StartEvaluationOptions {
   [[nodiscard]] Result<void> check() const;
 };
 
-/// A picture and the pose it was taken from.
+/// A picture and the pose it was taken from; none: of another body, where no start is right.
 struct StartView {
   std::shared_ptr<const RgbdFrame> frame;
-  Eigen::Isometry3d ct_from_depth = Eigen::Isometry3d::Identity();
+  std::optional<Eigen::Isometry3d> ct_from_depth;
 };
 /// View `index` of those to be evaluated.
 using StartViews = std::function<Result<StartView>(std::size_t index)>;
@@ -44,9 +44,10 @@ using StartViews = std::function<Result<StartView>(std::size_t index)>;
 struct StartRun {
   std::size_t view = 0;
   AutomaticStartResult result;
-  double shift_mm = 0.0;      ///< Of the skin's centre from where it is, whether found or refused.
-  double rotation_deg = 0.0;  ///< Likewise.
-  double tre_mm = 0.0;        ///< Of the pose as found, root mean square over the targets.
+  bool is_other_body = false;  ///< Then the next three, and fine_tre_mm, mean nothing.
+  double shift_mm = 0.0;       ///< Of the skin's centre from where it is, whether found or refused.
+  double rotation_deg = 0.0;   ///< Likewise.
+  double tre_mm = 0.0;         ///< Of the pose as found, root mean square over the targets.
   std::optional<double> fine_tre_mm;  ///< After fine registration; none for a refused start.
   double wall_ms = 0.0;
   double cpu_ms = 0.0;  ///< Of all the process's threads.
@@ -56,7 +57,7 @@ struct StartReport {
   int num_views = 0;
   int num_right = 0;
   int num_near = 0;   ///< Found, neither right nor wrong.
-  int num_wrong = 0;  ///< Found, and wrong: what must not be.
+  int num_wrong = 0;  ///< Found, and wrong or of another body: what must not be.
   int num_ambiguous = 0;
   int num_not_found = 0;
   int num_threads = 0;

@@ -10,34 +10,29 @@ namespace mor::internal {
 namespace {
 
 constexpr double kOpenShare = 0.6;
-constexpr double kFloatingCost = 2.0;
+constexpr double kFloatingCost = 1.0;
 constexpr double kHiddenCost = 0.02;
-constexpr double kDepartingCost = 1.5;
 
 // Each of these refuses a pose alone. How they were found: docs/automatic-start.md.
-constexpr double kMostFloating = 0.15;     ///< Of what agrees.
-constexpr double kMostDeparting = 0.12;    ///< Likewise.
-constexpr double kLeastHold = 1e-4;        ///< Share of the skin's area times firmness.
-constexpr double kLeastAgree = 60.0;       ///< Pixels.
-constexpr double kLeastEvidence = 0.03;    ///< Of what agrees.
-constexpr double kRunnerUpDoubt = 0.4;     ///< What a runner-up of equal evidence weighs.
-constexpr double kMostDoubt = 0.75;        ///< All together,
-constexpr double kMostPartlyDoubt = 0.45;  ///< or, where not nearly all agrees that nothing hides.
-constexpr double kNearlyAll = 0.9;
-/// The mirror image must not fit better: then the CT may be mirrored, or the body is turned. Nearly
-/// as well is a doubt too: what agrees is round enough to agree with much.
+constexpr double kMostFloating = 0.4;  ///< Of what agrees.
+constexpr double kLeastHold = 5e-5;    ///< Share of the skin's area times firmness.
+constexpr double kLeastPatches = 2.0;
+constexpr double kMostUnevenMm = 1.15;
+constexpr double kMostlyAgrees = 0.85;  ///< Of what nothing hides,
+constexpr double kHardlyAgrees = 0.35;  ///< or from here down.
+constexpr double kRunnerUpDoubt = 0.4;  ///< What a runner-up of equal evidence weighs.
+constexpr double kMostDoubt = 0.75;     ///< All together.
+/// The mirror image must not fit better: then the CT may be mirrored, or the body is turned.
 constexpr double kMostMirrored = 1.0;
-constexpr double kNearlyMirrored = 0.8;
-constexpr double kMirrorDoubt = 0.4;  ///< What a mirror image of equal evidence weighs.
 
 struct Doubts {
   double floating = 0.0;
-  double departing = 0.0;
-  double loose = 0.0;  ///< Skin too little or too round to hold a pose.
-  double small = 0.0;
-  double vague = 0.0;  ///< Skin that agrees only so-so.
+  double loose = 0.0;   ///< Skin too little or too round to hold a pose.
+  double few = 0.0;     ///< Hardly any skin.
+  double uneven = 0.0;  ///< Skin that agrees only so-so,
+  double partly = 0.0;  ///< or not all that should.
 
-  [[nodiscard]] double sum() const { return floating + departing + loose + small + vague; }
+  [[nodiscard]] double sum() const { return floating + loose + few + uneven + partly; }
 };
 
 constexpr double kBeyondMeasure = 1e3;
@@ -47,22 +42,18 @@ double ratio(double part, double whole) {
   return whole > 0.0 ? std::min(kBeyondMeasure, part / whole) : kBeyondMeasure;
 }
 
+double open_share(const SkinAgreement& look) {
+  return ratio(look.num_agree, look.num_seen - look.num_hidden);
+}
+
 Doubts doubts_of(const SkinAgreement& look) {
-  return {.floating = ratio(look.num_floating, look.num_agree) / kMostFloating,
-          .departing = ratio(look.num_departing, look.num_agree) / kMostDeparting,
-          .loose = ratio(kLeastHold, look.area_share * look.firmness),
-          .small = ratio(kLeastAgree, look.num_agree),
-          .vague = ratio(kLeastEvidence * look.num_agree, evidence(look))};
-}
-
-double mirror_doubt(double mirrored_share) {
-  const double nearness = (mirrored_share - kNearlyMirrored) / (kMostMirrored - kNearlyMirrored);
-  return kMirrorDoubt * std::clamp(nearness, 0.0, 1.0);
-}
-
-/// A head laid into a shoulder agrees with a part of what nothing hides, too.
-bool agrees_nearly_wholly(const SkinAgreement& look) {
-  return look.num_agree >= kNearlyAll * (look.num_seen - look.num_hidden);
+  const double unevenness = look.uneven_mm / kMostUnevenMm;
+  return {
+      .floating = ratio(look.num_floating, look.num_agree) / kMostFloating,
+      .loose = ratio(kLeastHold, look.area_share * look.firmness),
+      .few = ratio(kLeastPatches, look.num_patches),
+      .uneven = unevenness * unevenness,
+      .partly = std::max(0.0, kMostlyAgrees - open_share(look)) / (kMostlyAgrees - kHardlyAgrees)};
 }
 
 std::string percent(double part, double whole) {
@@ -72,10 +63,8 @@ std::string percent(double part, double whole) {
 /// The refusal by the doubt that weighs most, in a sentence.
 StartVerdict refused(const SkinAgreement& look) {
   const Doubts doubts = doubts_of(look);
-  // Of hardly any skin nothing can be said; and vagueness follows from the others too.
-  const double most =
-      look.num_agree < kLeastAgree ? 0.0 : std::max(doubts.floating, doubts.departing);
-  if (look.num_agree >= kLeastAgree && doubts.loose > std::max(kSaysEnough, most)) {
+  const bool has_much = doubts.few < kSaysEnough;  // Of hardly any skin nothing can be said.
+  if (has_much && doubts.loose > std::max({kSaysEnough, doubts.floating, doubts.uneven})) {
     return {
         AutomaticStartStatus::kAmbiguous,
         fmt::format("the {:.0f} % of the skin that the camera measures would fit as well if the "
@@ -83,14 +72,15 @@ StartVerdict refused(const SkinAgreement& look) {
                     100.0 * look.area_share)};
   }
   const std::string intro = "no pose explains the picture: at the best, ";
-  if (most > kSaysEnough && most == doubts.floating) {
+  if (has_much && doubts.floating > std::max(kSaysEnough, doubts.uneven)) {
     return {AutomaticStartStatus::kNotFound,
             intro + "the camera looks through " + percent(look.num_floating, look.num_seen) +
                 " of the skin"};
   }
-  if (most > kSaysEnough) {
+  if (has_much && doubts.uneven > kSaysEnough) {
     return {AutomaticStartStatus::kNotFound,
-            intro + "what hides the skin runs on from it without an edge, as another body would"};
+            intro + fmt::format("what looks like skin is {:.1f} mm off it here and there",
+                                look.uneven_mm)};
   }
   return {AutomaticStartStatus::kNotFound,
           intro + percent(look.num_agree, look.num_seen - look.num_hidden) +
@@ -102,8 +92,7 @@ StartVerdict refused(const SkinAgreement& look) {
 
 double evidence(const SkinAgreement& agreement) {
   return agreement.num_agree - kOpenShare * (agreement.num_seen - agreement.num_hidden) -
-         kFloatingCost * agreement.num_floating - kHiddenCost * agreement.num_hidden -
-         kDepartingCost * agreement.num_departing;
+         kFloatingCost * agreement.num_floating - kHiddenCost * agreement.num_hidden;
 }
 
 double trust(const SkinAgreement& look) {
@@ -128,15 +117,7 @@ StartVerdict decide_start(const StartCase& best) {
             fmt::format("another pose explains the picture {:.0f} % as well: show more of the body",
                         100.0 * best.runner_up_share)};
   }
-  if (!agrees_nearly_wholly(best.look) &&
-      margin(best.look, best.runner_up_share) < kMostDoubt - kMostPartlyDoubt) {
-    return {AutomaticStartStatus::kAmbiguous,
-            fmt::format("only {} of the skin that nothing hides is seen where it should be: show "
-                        "more of the body",
-                        percent(best.look.num_agree, best.look.num_seen - best.look.num_hidden))};
-  }
-  if (best.mirrored_share >= kMostMirrored ||
-      margin(best.look, best.runner_up_share) < mirror_doubt(best.mirrored_share)) {
+  if (best.mirrored_share >= kMostMirrored) {
     return {
         AutomaticStartStatus::kAmbiguous,
         "the CT's mirror image explains the picture as well: show more of the body, and if that "

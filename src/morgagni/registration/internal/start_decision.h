@@ -25,7 +25,7 @@ namespace mor::internal {
 struct StartCase {
   SkinAgreement look;
   double runner_up_share = 0.0;  ///< Of its believed evidence, what the best pose elsewhere has.
-  double mirrored_share = 0.0;   ///< Of its evidence, what the CT's mirror image has there.
+  double mirrored_share = 0.0;   ///< Likewise, what the CT's mirror image has there.
 };
 
 /// By how much it passes; negative: it does not.

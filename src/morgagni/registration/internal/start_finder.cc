@@ -173,7 +173,7 @@ void StartFinder::search_nearby(const StartPicture& picture,
   }
 }
 
-/// The evidence for the CT's mirror image near the finding.
+/// The believed evidence for the CT's mirror image near the finding.
 double StartFinder::mirrored_evidence(const StartPicture& picture,
                                       const std::vector<StartPlane>& planes,
                                       const StartFinding& finding) const {
@@ -186,7 +186,7 @@ double StartFinder::mirrored_evidence(const StartPicture& picture,
     const auto fine = fine_.align(other_points, start, quality);
     if (!fine) continue;
     best = std::max(best,
-                    evidence(verifier_.look(
+                    believed_evidence(verifier_.look(
                         other_picture, other_planes, fine->fixed_from_moving, kLookToleranceMm)));
   }
   return best;
@@ -237,7 +237,7 @@ AutomaticStartResult StartFinder::decide(const StartPicture& picture,
   result.runner_up_score = result.score * runner_up_share(findings);
   StartCase start{best.agreement, runner_up_share(findings)};
   if (margin(start.look, start.runner_up_share) >= 0.0) {
-    start.mirrored_share = mirrored_evidence(picture, planes, best) / evidence(best.agreement);
+    start.mirrored_share = mirrored_evidence(picture, planes, best) / best.score;
   }
   StartVerdict verdict = decide_start(start);
   result.status = verdict.status;

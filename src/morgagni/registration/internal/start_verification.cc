@@ -14,7 +14,7 @@
 #include "morgagni/geometry/depth_raster.h"
 #include "morgagni/geometry/rigid.h"
 #include "morgagni/registration/internal/sensor_points.h"
-#include "morgagni/registration/internal/start_departure.h"
+#include "morgagni/registration/internal/start_evenness.h"
 
 namespace mor::internal {
 namespace {
@@ -169,8 +169,8 @@ SkinAgreement StartVerifier::look(const StartPicture& picture,
   const auto pixel_sr =
       static_cast<float>(1.0 / (picture.camera.focal_x_px * picture.camera.focal_y_px));
   HoldingSkin holding(fixed_->mesh);
-  Image<float> misfit(
-      raster.depth_mm.width(), raster.depth_mm.height(), std::numeric_limits<float>::quiet_NaN());
+  constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
+  Image<float> on_skin_mm(raster.depth_mm.width(), raster.depth_mm.height(), kNothing);
   for (int y = 0; y < raster.depth_mm.height(); ++y) {
     for (int x = 0; x < raster.depth_mm.width(); ++x) {
       const float expected = raster.depth_mm(x, y);
@@ -184,8 +184,9 @@ SkinAgreement StartVerifier::look(const StartPicture& picture,
       judge(reading, expected, tolerance_mm + noise_mm, agreement);
       const float straight = picture.z_mm(x, y);
       if (straight <= 0.0F) continue;
-      misfit(x, y) = (straight - expected) / (tolerance_mm + noise_mm);
-      if (std::abs(misfit(x, y)) < kWellMeasured) {
+      const float misfit = (straight - expected) / (tolerance_mm + noise_mm);
+      if (std::abs(misfit) < 1.0F) on_skin_mm(x, y) = straight - expected;
+      if (std::abs(misfit) < kWellMeasured) {
         holding.add(pose * picture.point_at(x, y, expected),
                     fixed_->mesh.triangles[raster.triangle_idx(x, y)],
                     pose.translation(),
@@ -193,9 +194,11 @@ SkinAgreement StartVerifier::look(const StartPicture& picture,
       }
     }
   }
-  agreement.num_departing = count_departing(misfit);
   agreement.area_share = holding.area_mm2() / skin_area_mm2_;
   agreement.firmness = holding.firmness();
+  const Evenness evenness = judge_evenness(on_skin_mm);
+  agreement.num_patches = evenness.num_patches;
+  agreement.uneven_mm = evenness.uneven_mm;
   return agreement;
 }
 
