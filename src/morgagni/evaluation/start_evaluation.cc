@@ -13,6 +13,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/evaluation/recording_evaluation.h"
+#include "morgagni/geometry/depth_raster.h"
 #include "morgagni/geometry/rigid.h"
 #include "morgagni/registration/fine_registration.h"
 #include "morgagni/registration/visible_place.h"
@@ -41,6 +42,25 @@ std::vector<Target> targets_of(const TriangleMesh& skin) {
   return targets;
 }
 
+/// Share of the skin in view, at the true pose, that is measured where it is.
+double bare_share(const TriangleMesh& skin,
+                  const RgbdFrame& frame,
+                  const Eigen::Isometry3d& truth) {
+  constexpr float kBareMm = 15.0F;  // Noise is far less, a towel's folds and a hand mostly more.
+  const auto raster = rasterize_depth(skin, frame.calibration->depth, truth.inverse());
+  int num_in_view = 0;
+  int num_bare = 0;
+  for (int y = 0; y < raster.depth_mm.height(); ++y) {
+    for (int x = 0; x < raster.depth_mm.width(); ++x) {
+      const auto reading_mm = static_cast<float>(frame.depth_mm(x, y));
+      if (raster.depth_mm(x, y) <= 0.0F || reading_mm <= 0.0F) continue;
+      ++num_in_view;
+      if (std::abs(reading_mm - raster.depth_mm(x, y)) < kBareMm) ++num_bare;
+    }
+  }
+  return num_in_view == 0 ? 0.0 : static_cast<double>(num_bare) / num_in_view;
+}
+
 /// Starts on one view after the other and keeps the runs.
 class StartEvaluation {
  public:
@@ -64,7 +84,7 @@ class StartEvaluation {
   [[nodiscard]] Result<double> fine_tre_mm(const RgbdFrame& frame,
                                            const Eigen::Isometry3d& truth,
                                            const Eigen::Isometry3d& ct_from_depth) const;
-  [[nodiscard]] bool is_right(const StartRun& run) const {
+  [[nodiscard]] bool fits(const StartRun& run) const {
     return !run.is_other_body && run.shift_mm < options_.right_mm &&
            run.rotation_deg < options_.right_deg;
   }
@@ -115,6 +135,7 @@ Result<void> StartEvaluation::hold_against(const Eigen::Isometry3d& truth,
   run.shift_mm = displacement_mm(found, truth, depth_from_ct * skin_center_);
   run.rotation_deg = kDegPerRad * rotation_angle_rad(found * depth_from_ct);
   run.tre_mm = target_registration_error_mm(found, truth, targets_);
+  run.bare_share = bare_share(fixed_->mesh, frame, truth);
   if (run.result.status == AutomaticStartStatus::kFound) {
     MOR_TRY(run.fine_tre_mm, fine_tre_mm(frame, truth, found));
   }
@@ -133,6 +154,7 @@ Result<void> StartEvaluation::add(std::size_t index, const StartView& view) {
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - started).count();
   run.cpu_ms = cpu_ms() - cpu_before_ms;
   if (view.ct_from_depth) MOR_CHECK(hold_against(*view.ct_from_depth, *view.frame, run));
+  run.is_right = run.result.status == AutomaticStartStatus::kFound && fits(run);
   runs_.push_back(std::move(run));
   return {};
 }
@@ -154,7 +176,7 @@ StartReport StartEvaluation::report() const {
                                                                : report.num_not_found);
       continue;
     }
-    ++(is_right(run) ? report.num_right : is_wrong(run) ? report.num_wrong : report.num_near);
+    ++(run.is_right ? report.num_right : is_wrong(run) ? report.num_wrong : report.num_near);
     if (run.is_other_body) continue;
     shift_mm.push_back(run.shift_mm);
     rotation_deg.push_back(run.rotation_deg);
@@ -222,6 +244,7 @@ std::string to_json(const StartReport& report) {
                                    {"shift_mm", run.shift_mm},
                                    {"rotation_deg", run.rotation_deg},
                                    {"tre_mm", run.tre_mm},
+                                   {"bare_share", run.bare_share},
                                    {"wall_ms", run.wall_ms},
                                    {"cpu_ms", run.cpu_ms}};
     if (run.fine_tre_mm) item["fine_tre_mm"] = *run.fine_tre_mm;
@@ -244,6 +267,30 @@ std::string to_json(const StartReport& report) {
   return json.dump(2);
 }
 
+/// How often the start is right where clutter leaves so much of the skin bare.
+std::string rows_by_bare_skin(const StartReport& report) {
+  std::string rows;
+  for (const auto& [from, to] :
+       {std::pair{0.0, 0.2}, {0.2, 0.4}, {0.4, 0.6}, {0.6, 0.8}, {0.8, 1.01}}) {
+    int num_views = 0;
+    int num_right = 0;
+    for (const auto& run : report.runs) {
+      if (run.is_other_body || run.bare_share < from || run.bare_share >= to) continue;
+      ++num_views;
+      if (run.is_right) ++num_right;
+    }
+    if (num_views == 0) continue;
+    rows += fmt::format(
+        "{:<34}{:>6}  {:5.1f} % of {}\n",
+        fmt::format(
+            "right with {:.0f}..{:.0f} % of skin bare", 100.0 * from, 100.0 * std::min(to, 1.0)),
+        num_right,
+        100.0 * num_right / num_views,
+        num_views);
+  }
+  return rows;
+}
+
 std::string to_table(const StartReport& report) {
   std::string table;
   const auto count = [&](std::string_view what, int number) {
@@ -255,6 +302,7 @@ std::string to_table(const StartReport& report) {
   count("found and wrong", report.num_wrong);
   count("refused: ambiguous", report.num_ambiguous);
   count("refused: not found", report.num_not_found);
+  table += rows_by_bare_skin(report);
   const auto row = [&](std::string_view what, const Summary& s) {
     table += fmt::format("{:<34}{:>8.2f}{:>8.2f}{:>8.2f}{:>8.2f}{:>8.2f}\n",
                          what,

@@ -44,11 +44,14 @@ using StartViews = std::function<Result<StartView>(std::size_t index)>;
 struct StartRun {
   std::size_t view = 0;
   AutomaticStartResult result;
-  bool is_other_body = false;  ///< Then the next three, and fine_tre_mm, mean nothing.
+  bool is_other_body = false;  ///< Then the next five mean nothing.
   double shift_mm = 0.0;       ///< Of the skin's centre from where it is, whether found or refused.
   double rotation_deg = 0.0;   ///< Likewise.
   double tre_mm = 0.0;         ///< Of the pose as found, root mean square over the targets.
+  /// Of the skin that the camera would see, what nothing hides: the less, the harder the start.
+  double bare_share = 0.0;
   std::optional<double> fine_tre_mm;  ///< After fine registration; none for a refused start.
+  bool is_right = false;              ///< Found, and near the truth as the options say.
   double wall_ms = 0.0;
   double cpu_ms = 0.0;  ///< Of all the process's threads.
 };
