@@ -8,6 +8,7 @@
 
 #include "morgagni/ct/testing/dicom_writer.h"
 #include "morgagni/ct/testing/import_folder.h"
+#include "morgagni/ct/testing/sample_files.h"
 
 namespace mor {
 namespace {
@@ -427,4 +428,14 @@ TEST_F(Mutants, OfMetaImageAreSurvived) {
 }
 
 }  // namespace
+/// Found by fuzzing: GDCM reads past its stream in one, and runs into an assertion in the other.
+TEST_F(HostileFiles, ThatBringDownGdcmDieInTheImportProcessAlone) {
+  for (const std::string name : {"rle_streams.dcm", "jpeg16_assert.dcm"}) {
+    for (const auto& slice : testing_files::sample_neighbours()) write(slice.name, slice.bytes);
+    fs::copy_file(fs::path(MORGAGNI_TESTDATA) / "hostile" / name, folder_ / name);
+    EXPECT_THAT(error_of(folder_), AllOf(HasSubstr("died ("), HasSubstr(name)));
+    fs::remove(folder_ / name);
+  }
+}
+
 }  // namespace mor
