@@ -42,6 +42,8 @@ export class LiveVideo {
   private last: ShownPicture | undefined;
 
   constructor(readonly video: HTMLVideoElement) {
+    // The attribute of an element made by a script does not mute it, and only a muted one plays by itself.
+    video.muted = true;
     this.watchPictures();
     setInterval(() => this.tick(), PING_EVERY_MS);
     window.addEventListener('pagehide', () => this.leave());

@@ -32,7 +32,6 @@ export class Stage {
     private readonly onHole: (x: number, y: number) => void,
     private readonly onTouch: (point: Point) => void,
   ) {
-    this.video.muted = true;
     this.element = h('div', { class: 'stage' },
       this.video, this.ring, this.marks, this.readout, this.banner, this.hint);
     this.element.addEventListener('pointerdown', (event) => this.press(event));
