@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "morgagni/camera/calibration_json.h"
+#include "morgagni/camera/internal/recordable_frame.h"
 #include "morgagni/core/image_jpeg.h"
 
 extern "C" {
@@ -124,7 +125,6 @@ struct MatroskaRecorder::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  [[nodiscard]] Result<void> check(const RgbdFrame& frame) const;
   [[nodiscard]] Result<void> begin(const RgbdFrame& frame);
   [[nodiscard]] Result<void> add_stream(AVStream*& stream, const char* title);
   [[nodiscard]] Result<void> attach_calibration();
@@ -170,26 +170,6 @@ Result<MatroskaRecorder> MatroskaRecorder::create(const fs::path& path,
   MOR_CHECK(checked(
       avio_open(&format->pb, impl->aside.c_str(), AVIO_FLAG_WRITE), path, "cannot be written"));
   return MatroskaRecorder(std::move(impl));
-}
-
-Result<void> MatroskaRecorder::Impl::check(const RgbdFrame& frame) const {
-  const auto has_size = [](const auto& image, const PinholeCamera& camera) {
-    return image.width() == camera.width_px && image.height() == camera.height_px;
-  };
-  if (is_finished) return invalid("the recording is finished");
-  if (!frame.calibration) return invalid("a frame without calibration cannot be recorded");
-  if (calibration && *calibration != *frame.calibration) {
-    return invalid("the camera's calibration changed during the recording");
-  }
-  if (!has_size(frame.depth_mm, frame.calibration->depth) ||
-      !has_size(frame.color, frame.calibration->color)) {
-    return invalid(
-        fmt::format("frame {} has not the size that its calibration says", frame.frame_id));
-  }
-  if (calibration && frame.captured_at <= last_captured_at) {
-    return invalid(fmt::format("frame {} was captured before the last one", frame.frame_id));
-  }
-  return {};
 }
 
 Result<void> MatroskaRecorder::Impl::add_stream(AVStream*& stream, const char* title) {
@@ -275,7 +255,8 @@ Result<void> MatroskaRecorder::Impl::encode(AVCodecContext& codec,
 
 Result<void> MatroskaRecorder::add(const RgbdFrame& frame) {
   auto& impl = *impl_;
-  MOR_CHECK(impl.check(frame));
+  if (impl.is_finished) return invalid("the recording is finished");
+  MOR_CHECK(internal::check_recordable(frame, impl.calibration.get(), impl.last_captured_at));
   if (!impl.calibration) MOR_CHECK(impl.begin(frame));
   const nanoseconds since_first = frame.captured_at - impl.first_captured_at;
   const auto rounded_ms = std::chrono::round<std::chrono::milliseconds>(since_first).count();

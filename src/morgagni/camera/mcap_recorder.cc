@@ -10,6 +10,7 @@
 #include "morgagni/camera/calibration_json.h"
 #include "morgagni/camera/internal/mcap/topics.h"
 #include "morgagni/camera/internal/mcap/writer.h"
+#include "morgagni/camera/internal/recordable_frame.h"
 #include "morgagni/camera/internal/ros/messages.h"
 #include "morgagni/camera/internal/ros/schemas.h"
 #include "morgagni/core/image_jpeg.h"
@@ -30,11 +31,6 @@ constexpr nanoseconds kMaxAge = std::chrono::seconds(1);
 
 tl::unexpected<Error> invalid(std::string message) {
   return make_error(ErrorCode::kInvalidArgument, std::move(message));
-}
-
-template <class T>
-bool has_size(const Image<T>& image, const PinholeCamera& camera) {
-  return image.width() == camera.width_px && image.height() == camera.height_px;
 }
 
 std::uint64_t wall_ns() {
@@ -99,7 +95,6 @@ struct McapRecorder::Impl {
   Impl(std::filesystem::path target, McapRecorderOptions given, mcap::Writer file)
       : path(std::move(target)), options(std::move(given)), writer(std::move(file)) {}
 
-  [[nodiscard]] Result<void> check(const RgbdFrame& frame) const;
   [[nodiscard]] Result<void> begin(const RgbdFrame& frame);
   [[nodiscard]] Result<void> check_free_space() const;
   [[nodiscard]] Result<void> end_chunk();
@@ -130,22 +125,6 @@ Result<McapRecorder> McapRecorder::create(const std::filesystem::path& path,
   MOR_CHECK(impl->writer.add_metadata("morgagni", options.about));
   MOR_TRY(impl->channels, add_channels(impl->writer));
   return McapRecorder(std::move(impl));
-}
-
-Result<void> McapRecorder::Impl::check(const RgbdFrame& frame) const {
-  if (!frame.calibration) return invalid("a frame without calibration cannot be recorded");
-  if (calibration && calibration != frame.calibration && *calibration != *frame.calibration) {
-    return invalid("the camera's calibration changed during the recording");
-  }
-  if (!has_size(frame.depth_mm, frame.calibration->depth) ||
-      !has_size(frame.color, frame.calibration->color)) {
-    return invalid(
-        fmt::format("frame {} has not the size that its calibration says", frame.frame_id));
-  }
-  if (calibration && frame.captured_at <= last_captured_at) {
-    return invalid(fmt::format("frame {} was captured before the last one", frame.frame_id));
-  }
-  return {};
 }
 
 Result<void> McapRecorder::Impl::begin(const RgbdFrame& frame) {
@@ -216,7 +195,7 @@ Result<void> McapRecorder::Impl::end_chunk() {
 Result<void> McapRecorder::add(const RgbdFrame& given, const std::optional<FoundPose>& pose) {
   auto& impl = *impl_;
   const RgbdFrame& frame = as_sensed(given);
-  MOR_CHECK(impl.check(frame));
+  MOR_CHECK(internal::check_recordable(frame, impl.calibration.get(), impl.last_captured_at));
   if (!impl.calibration) MOR_CHECK(impl.begin(frame));
   const bool is_lossless = impl.options.color == ColorCoding::kLossless;
   std::vector<std::byte> color;
