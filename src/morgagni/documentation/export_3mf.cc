@@ -6,14 +6,13 @@
 
 #include "morgagni/core/image_png.h"
 #include "morgagni/core/version.h"
+#include "morgagni/core/xml_text.h"
 #include "morgagni/documentation/export_formats.h"
-#include "morgagni/documentation/internal/xml_text.h"
 #include "morgagni/documentation/internal/zip_writer.h"
 
 namespace mor {
 namespace {
 
-using internal::xml_text;
 using internal::ZipPart;
 
 constexpr const char* kPictureFile = "3D/Textures/skin.png";

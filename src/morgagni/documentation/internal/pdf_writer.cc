@@ -9,7 +9,7 @@
 #include <pango/pangocairo.h>
 #include <spdlog/fmt/fmt.h>
 
-#include "morgagni/documentation/internal/xml_text.h"
+#include "morgagni/core/xml_text.h"
 
 namespace mor::internal {
 namespace {

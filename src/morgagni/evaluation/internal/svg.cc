@@ -7,33 +7,9 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/core/xml_text.h"
+
 namespace mor::internal {
-namespace {
-
-std::string escaped(std::string_view words) {
-  std::string result;
-  for (const char c : words) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
-}
-
-}  // namespace
 
 Svg::Svg(double width, double height) : width_(width), height_(height) {
   rectangle({0.0, 0.0}, width, height, "#ffffff");
@@ -92,7 +68,7 @@ void Svg::text(
       anchor,
       size,
       bold ? " font-weight=\"bold\"" : "",
-      escaped(words));
+      xml_text(words));
 }
 
 void Svg::upright_text(SvgPoint at, std::string_view words, double size) {
@@ -102,7 +78,7 @@ void Svg::upright_text(SvgPoint at, std::string_view words, double size) {
       at.x,
       at.y,
       size,
-      escaped(words));
+      xml_text(words));
 }
 
 std::string Svg::finish() const {

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/documentation/internal/xml_text.h"
+#include "morgagni/core/xml_text.h"
 
 #include <nlohmann/json.hpp>
 
-namespace mor::internal {
+namespace mor {
 
 std::string valid_utf8(std::string_view text) {
   using Json = nlohmann::json;
@@ -40,4 +40,4 @@ std::string xml_text(std::string_view text) {
   return result;
 }
 
-}  // namespace mor::internal
+}  // namespace mor

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace mor::internal {
+namespace mor {
 
 /// People's words as XML may hold them, in text and attributes: control characters are dropped,
 /// bytes that are no UTF-8 become U+FFFD.
@@ -14,4 +14,4 @@ namespace mor::internal {
 /// Bytes that are no UTF-8 become U+FFFD.
 [[nodiscard]] std::string valid_utf8(std::string_view text);
 
-}  // namespace mor::internal
+}  // namespace mor
