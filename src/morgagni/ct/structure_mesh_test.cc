@@ -10,6 +10,7 @@
 #include "morgagni/ct/mesh_quality.h"
 #include "morgagni/ct/test_volumes.h"
 #include "morgagni/ct/testing/import_folder.h"
+#include "morgagni/geometry/testing/box_mesh.h"
 
 namespace mor {
 namespace {
@@ -21,24 +22,7 @@ using testing::Not;
 
 /// A box from (10, 20, 30) to (14, 26, 38), 192 mm^3.
 TriangleMesh box() {
-  TriangleMesh mesh;
-  for (int corner = 0; corner < 8; ++corner) {
-    mesh.vertices.emplace_back(
-        corner & 1 ? 14.0F : 10.0F, corner & 2 ? 26.0F : 20.0F, corner & 4 ? 38.0F : 30.0F);
-  }
-  mesh.triangles = {{0, 2, 1},
-                    {1, 2, 3},
-                    {4, 5, 6},
-                    {5, 7, 6},
-                    {0, 1, 4},
-                    {1, 5, 4},
-                    {2, 6, 3},
-                    {3, 6, 7},
-                    {0, 4, 2},
-                    {2, 4, 6},
-                    {1, 3, 5},
-                    {3, 7, 5}};
-  return mesh;
+  return testing_mesh::make_box({10.0F, 20.0F, 30.0F}, {14.0F, 26.0F, 38.0F});
 }
 
 template <class T>

@@ -7,29 +7,14 @@
 
 #include <gtest/gtest.h>
 
+#include "morgagni/geometry/testing/box_mesh.h"
+
 namespace mor {
 namespace {
 
-/// A cube of side 2 mm about the origin, corners counter-clockwise from outside. Each face's
-/// diagonal is chosen without care, so corners meet different numbers of triangles.
+/// A cube of side 2 mm about the origin.
 TriangleMesh cube() {
-  TriangleMesh mesh;
-  for (unsigned i = 0; i < 8; ++i) {
-    mesh.vertices.emplace_back(i & 1U ? 1.0F : -1.0F, i & 2U ? 1.0F : -1.0F, i & 4U ? 1.0F : -1.0F);
-  }
-  mesh.triangles = {{0, 2, 1},
-                    {1, 2, 3},
-                    {4, 5, 6},
-                    {5, 7, 6},
-                    {0, 1, 4},
-                    {1, 5, 4},
-                    {2, 6, 3},
-                    {3, 6, 7},
-                    {0, 4, 2},
-                    {2, 4, 6},
-                    {1, 3, 5},
-                    {3, 7, 5}};
-  return mesh;
+  return testing_mesh::make_box({-1.0F, -1.0F, -1.0F}, {1.0F, 1.0F, 1.0F});
 }
 
 TEST(TriangleMesh, BoundsHoldEveryVertex) {

@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "morgagni/render/testing/pictures.h"
 #include "morgagni/render/testing/shapes.h"
 
 namespace mor {
@@ -48,30 +49,13 @@ Image<Rgba8> opaque(const Image<Rgb8>& color) {
   return picture;
 }
 
-Eigen::Isometry3d at(double x, double y, double z) {
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.translation() = Eigen::Vector3d(x, y, z);
-  return pose;
-}
+using testing::at;
+using testing::rendered;
 
 std::unique_ptr<OverlayRenderer> make_renderer(const TriangleMesh& bones,
                                                const Eigen::Vector3f& color = {1.0F, 0.0F, 0.0F},
                                                const TriangleMesh& skin = {}) {
-  auto renderer = OverlayRenderer::create({{{"bones", bones, color}}, skin});
-  if (!renderer) throw std::runtime_error(renderer.error().message);
-  return *std::move(renderer);
-}
-
-Image<Rgba8> rendered(OverlayRenderer& renderer,
-                      const Image<Rgb8>& color,
-                      const OverlayView& view) {
-  const auto shown = renderer.render(color.view(), view);
-  if (!shown) throw std::runtime_error(shown.error().message);
-  Image<Rgba8> copy(shown->width(), shown->height());
-  for (int y = 0; y < copy.height(); ++y) {
-    std::copy(shown->row(y), shown->row(y) + copy.width(), &copy(0, y));
-  }
-  return copy;
+  return testing::make_renderer({{{"bones", bones, color}}, skin});
 }
 
 OverlayView everywhere(const PinholeCamera& camera, const Eigen::Isometry3d& pose) {

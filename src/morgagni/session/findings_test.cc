@@ -11,8 +11,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "morgagni/casefile/prepare.h"
-#include "morgagni/casefile/testing/synthetic_ct.h"
+#include "morgagni/casefile/testing/synthetic_case.h"
 #include "morgagni/core/image_png.h"
 #include "morgagni/session/findings_routes.h"
 
@@ -24,18 +23,7 @@ using Json = nlohmann::json;
 using testing::HasSubstr;
 
 std::shared_ptr<const Case> synthetic_case() {
-  static const auto kCase = [] {
-    const fs::path place = fs::path(testing::TempDir()) / "findings_test";
-    fs::create_directories(place);
-    testing_ct::write_synthetic_ct(place / "egg.mha");
-    PrepareOptions options;
-    options.skin.num_vertices = 4000;
-    options.bone.num_triangles = 2000;
-    const auto made = prepare_case(place / "egg.mha", place / "case", options, [](auto, auto) {});
-    EXPECT_TRUE(made) << made.error().message;
-    return std::make_shared<const Case>(load_case(place / "case").value());
-  }();
-  return kCase;
+  return testing_case::synthetic_case("findings_test");
 }
 
 class FindingsTest : public testing::Test {

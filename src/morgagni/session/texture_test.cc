@@ -15,8 +15,7 @@
 #include <sys/resource.h>
 
 #include "morgagni/camera/simulated_camera.h"
-#include "morgagni/casefile/prepare.h"
-#include "morgagni/casefile/testing/synthetic_ct.h"
+#include "morgagni/casefile/testing/synthetic_case.h"
 #include "morgagni/core/files.h"
 #include "morgagni/documentation/skin_texture_io.h"
 #include "morgagni/session/texture_routes.h"
@@ -29,18 +28,7 @@ using Json = nlohmann::json;
 using ::testing::HasSubstr;
 
 std::shared_ptr<const Case> synthetic_case() {
-  static const auto kCase = [] {
-    const fs::path place = fs::path(testing::TempDir()) / "texture_test";
-    fs::create_directories(place);
-    testing_ct::write_synthetic_ct(place / "egg.mha");
-    PrepareOptions options;
-    options.skin.num_vertices = 3000;
-    options.bone.num_triangles = 2000;
-    const auto made = prepare_case(place / "egg.mha", place / "case", options, [](auto, auto) {});
-    EXPECT_TRUE(made) << made.error().message;
-    return std::make_shared<const Case>(load_case(place / "case").value());
-  }();
-  return kCase;
+  return testing_case::synthetic_case("texture_test");
 }
 
 bool eventually(const std::function<bool()>& holds) {
