@@ -10,6 +10,8 @@
 
 #include "morgagni/ct/import_protocol.h"
 
+#include "messages.h"
+
 namespace mor::import {
 namespace {
 
@@ -69,7 +71,8 @@ Result<ContourStack> stack_of(const std::vector<Contour>& contours, const std::s
     if (high_mm - low_mm > kFlatMm) {
       return make_error(ErrorCode::kInvalidArgument,
                         name + " has contours that are not flat or not parallel: one is " +
-                            std::to_string(high_mm - low_mm) + " mm high");
+                            short_text(high_mm - low_mm) + " mm high, the limit is " +
+                            short_text(kFlatMm));
     }
     const double height_mm = 0.5 * (low_mm + high_mm);
     const auto plane =
@@ -105,10 +108,12 @@ Result<ImportHeader> grid_of(const ContourStack& stack, const std::string& name)
   if (!(sides.maxCoeff() <= kMaxVolumeSide) ||
       !(2.0 * sides.prod() <= static_cast<double>(kMaxVolumeBytes))) {
     return make_error(ErrorCode::kInvalidArgument,
-                      name + " reaches over " + std::to_string(box.sizes().x()) + " x " +
-                          std::to_string(box.sizes().y()) + " mm in " +
+                      name + " reaches over " + short_text(box.sizes().x()) + " x " +
+                          short_text(box.sizes().y()) + " mm in " +
                           std::to_string(stack.planes.size()) +
-                          " planes: that is no structure of a body");
+                          " planes: that is no structure of a body (the limits are " +
+                          std::to_string(kMaxVolumeSide) + " pixels a side and " +
+                          std::to_string(kMaxVolumeBytes >> 20) + " MiB)");
   }
   ImportHeader grid;
   grid.magic = kImportMagic;

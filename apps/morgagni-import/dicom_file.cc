@@ -98,10 +98,6 @@ bool has_long_length(std::string_view type) {
   return std::find(kLong.begin(), kLong.end(), type) != kLong.end();
 }
 
-tl::unexpected<Error> cut_short() {
-  return make_error(ErrorCode::kIo, "is cut short or damaged");
-}
-
 struct Encoding {
   bool is_explicit = true;
   bool big_endian = false;
@@ -151,6 +147,12 @@ class Parser {
     bool is_sequence = false;
     bool is_unknown = false;
   };
+
+  [[nodiscard]] tl::unexpected<Error> cut_short() const {
+    return make_error(ErrorCode::kIo,
+                      "is cut short or damaged (at byte " + std::to_string(at_) + " of " +
+                          std::to_string(bytes_.size()) + ")");
+  }
 
   [[nodiscard]] std::size_t left() const { return bytes_.size() - at_; }
   [[nodiscard]] std::uint32_t byte_at(std::size_t place) const {

@@ -87,7 +87,8 @@ std::string flaw_of(const DicomSlice& slice) {
   if (!(slice.spacing_mm.minCoeff() > 0.0))
     return "it has no pixel spacing above 0 mm and cannot be measured";
   if (std::max(slice.columns, slice.rows) > kMaxVolumeSide)
-    return "it is larger than " + std::to_string(kMaxVolumeSide) + " pixels a side";
+    return "it has " + std::to_string(slice.columns) + " x " + std::to_string(slice.rows) +
+           " pixels, the limit is " + std::to_string(kMaxVolumeSide) + " a side";
   const auto& bits = slice.meaning;
   const bool is_read = (bits.bits_allocated == 8 || bits.bits_allocated == 16) &&
                        bits.bits_stored >= 1 && bits.bits_stored <= bits.high_bit + 1 &&

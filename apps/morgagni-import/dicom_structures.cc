@@ -77,26 +77,34 @@ std::vector<Roi> rois_of(const DicomDataSet& data) {
   return rois;
 }
 
-Result<std::vector<Contour>> contours_of(const Roi& roi) {
+/// @param name  Of the structure, for sentences.
+Result<void> check_contour(const std::vector<double>& numbers, const std::string& name) {
+  constexpr double kFarthestMm = 1e5;
+  if (numbers.size() % 3 != 0 || numbers.size() < 9) {
+    return make_error(ErrorCode::kIo,
+                      name + " has a damaged contour: " + std::to_string(numbers.size()) +
+                          " numbers, of three or more points it would be a multiple of 3");
+  }
+  const auto far = std::find_if(numbers.begin(), numbers.end(), [](double number) {
+    return !(std::abs(number) <= kFarthestMm);
+  });
+  if (far == numbers.end()) return {};
+  return make_error(ErrorCode::kIo,
+                    name + " has a damaged contour: one of its points has the coordinate " +
+                        short_text(*far) + " mm, the limit is 100000");
+}
+
+Result<std::vector<Contour>> contours_of(const Roi& roi, const std::string& name) {
   std::vector<Contour> contours;
   std::size_t num_points = 0;
   for (const auto& item : roi.contours->items) {
     if (!is_closed(item)) continue;
     const auto numbers = item.numbers(Tag::kContourData);
-    constexpr double kFarthestMm = 1e5;
-    const bool is_good = numbers.size() % 3 == 0 && numbers.size() >= 9 &&
-                         std::all_of(numbers.begin(), numbers.end(), [](double number) {
-                           return std::abs(number) <= kFarthestMm;
-                         });
-    if (!is_good) {
-      return make_error(ErrorCode::kIo,
-                        roi.name + " has a damaged contour (" + std::to_string(numbers.size()) +
-                            " numbers that are places within 100 m are no polygon)");
-    }
+    MOR_CHECK(check_contour(numbers, name));
     num_points += numbers.size() / 3;
     if (num_points > kMostPoints) {
       return make_error(ErrorCode::kInvalidArgument,
-                        roi.name + " has more than " + std::to_string(kMostPoints) +
+                        name + " has more than " + std::to_string(kMostPoints) +
                             " contour points, which is the limit");
     }
     Contour contour;
@@ -109,6 +117,7 @@ Result<std::vector<Contour>> contours_of(const Roi& roi) {
 
 /// The bytes stay where the parsed file points to.
 struct OpenedSet {
+  std::string name;
   FileBytes bytes;
   DicomFile file;
 };
@@ -122,7 +131,8 @@ Result<OpenedSet> find_set(const fs::path& path) {
     set.bytes = *std::move(loaded);
     auto parsed = parse_dicom(set.bytes.bytes);
     if (!parsed || parsed->data.text(Tag::kModality) != "RTSTRUCT") continue;
-    say_file(files->name(i));
+    set.name = files->name(i);
+    say_file(set.name);
     set.file = *std::move(parsed);
     return set;
   }
@@ -150,9 +160,10 @@ Result<void> import_dicom_structures(const fs::path& path, const std::string& wa
                         path.string() + " has no structure \"" + wanted + "\"");
   }
   const Roi& roi = rois[number - 1];
-  MOR_TRY(const auto contours, contours_of(roi));
-  MOR_TRY(const auto stack, stack_of(contours, roi.name));
-  MOR_TRY(const ImportHeader header, grid_of(stack, roi.name));
+  const std::string name = set.name + ": the structure " + roi.name;
+  MOR_TRY(const auto contours, contours_of(roi, name));
+  MOR_TRY(const auto stack, stack_of(contours, name));
+  MOR_TRY(const ImportHeader header, grid_of(stack, name));
   MOR_TRY(const auto voxels, open_voxels(header));
   allow_memory(voxels.size_bytes());
   fill(stack, header, static_cast<std::int16_t>(number), voxels);

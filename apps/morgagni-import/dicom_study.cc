@@ -52,19 +52,6 @@ void note_pixels(const DicomSeries& series) {
     say_note("the pixels were compressed with a loss: the skin may lie a little off");
 }
 
-Result<void> check_limits(const ImportHeader& grid) {
-  const std::int64_t num_bytes =
-      std::int64_t{2} * grid.size[0] * grid.size[1] * std::int64_t{grid.size[2]};
-  if (*std::max_element(grid.size.begin(), grid.size.end()) <= kMaxVolumeSide &&
-      num_bytes <= kMaxVolumeBytes)
-    return {};
-  return make_error(ErrorCode::kInvalidArgument,
-                    "the CT would have " + std::to_string(grid.size[0]) + " x " +
-                        std::to_string(grid.size[1]) + " x " + std::to_string(grid.size[2]) +
-                        " voxels, the limits are " + std::to_string(kMaxVolumeSide) +
-                        " a side and " + std::to_string(kMaxVolumeBytes >> 20) + " MiB");
-}
-
 std::string description_of(const DicomSlice& slice) {
   return "CT, series \"" + slice.series_description + "\", patient " + slice.patient_id;
 }
@@ -78,7 +65,6 @@ Result<void> import_dicom(const fs::path& path, const std::string& wanted) {
   leave_out_strays(series);
   const SliceStack stack = stack_of(series);
   MOR_TRY(ImportHeader header, grid_for(stack));
-  MOR_CHECK(check_limits(header));
   note_shape(stack, header);
   note_pixels(series);
   set_description(header, description_of(series.front()));

@@ -24,9 +24,13 @@ constexpr std::size_t kMaxNames = 1000;
 /// The file's first bytes, inflated where they are compressed.
 std::string head_of(const std::filesystem::path& path) {
   const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(::gzopen(path.c_str(), "rb"), ::gzclose);
-  std::string head(kMaxHeadBytes, '\0');
-  const int got = file ? ::gzread(file.get(), head.data(), static_cast<unsigned>(head.size())) : 0;
-  head.resize(static_cast<std::size_t>(std::max(got, 0)));
+  std::string head;
+  std::array<char, 8192> piece{};
+  while (file && head.size() < kMaxHeadBytes) {
+    const int got = ::gzread(file.get(), piece.data(), static_cast<unsigned>(piece.size()));
+    if (got <= 0) break;
+    head.append(piece.data(), static_cast<std::size_t>(got));
+  }
   return head;
 }
 
@@ -36,6 +40,12 @@ struct Segment {
   std::array<double, 3> color = {1.0, 1.0, 1.0};
 };
 
+/// 0, which names nothing, where it is no label.
+int label_of(double number) {
+  constexpr double kMost = 32767.0;
+  return number >= 0.0 && number <= kMost ? static_cast<int>(number) : 0;
+}
+
 void say(const Segment& segment) {
   if (segment.value > 0 && !segment.name.empty())
     say_label(segment.value, segment.color, segment.name);
@@ -43,7 +53,7 @@ void say(const Segment& segment) {
 
 /// "Segment12_Color:=0.5 0.2 0.1" and its like, up to the empty line that ends the head.
 void say_slicer_names(const std::string& head) {
-  std::map<int, Segment> segments;
+  std::map<long, Segment> segments;
   for (std::size_t start = 0; start < head.size();) {
     const auto end = std::min(head.find('\n', start), head.size());
     std::string line = head.substr(start, end - start);
@@ -56,11 +66,11 @@ void say_slicer_names(const std::string& head) {
     if (!line.starts_with(kKey) || underscore == std::string::npos || colon == std::string::npos ||
         colon < underscore || segments.size() >= kMaxNames)
       continue;
-    Segment& segment = segments[std::atoi(line.c_str() + kKey.size())];
+    Segment& segment = segments[std::strtol(line.c_str() + kKey.size(), nullptr, 10)];
     const std::string key = line.substr(underscore + 1, colon - underscore - 1);
     const std::string value = line.substr(colon + 2);
     if (key == "Name") segment.name = value;
-    if (key == "LabelValue") segment.value = std::atoi(value.c_str());
+    if (key == "LabelValue") segment.value = label_of(std::strtod(value.c_str(), nullptr));
     if (key == "Color") {
       char* next = const_cast<char*>(value.c_str());
       for (auto& channel : segment.color) channel = std::strtod(next, &next);
@@ -90,7 +100,7 @@ void say_table_names(std::string_view head) {
     const std::string_view tag = head.substr(at, tag_end - at);
     std::string_view text = head.substr(tag_end + 1, end - tag_end - 1);
     if (text.starts_with(kText)) text = text.substr(kText.size(), text.find("]]>") - kText.size());
-    say({static_cast<int>(attribute(tag, "Key")),
+    say({label_of(attribute(tag, "Key")),
          std::string(text),
          {attribute(tag, "Red"), attribute(tag, "Green"), attribute(tag, "Blue")}});
   }

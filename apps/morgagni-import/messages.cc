@@ -3,7 +3,9 @@
 #include "messages.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <string>
 
@@ -79,6 +81,12 @@ void say_num_maps(std::size_t num_maps) {
 
 void say_frame(std::string_view frame) {
   say('c', frame);
+}
+
+std::string short_text(double number) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%g", number);
+  return text.data();
 }
 
 std::string some_of(const std::vector<std::string>& names) {

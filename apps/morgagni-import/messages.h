@@ -28,6 +28,9 @@ void say_num_maps(std::size_t num_maps);
 void say_frame(std::string_view frame);
 void say_error(const Error& error);
 
+/// A number as people write it: 0.5, 39, 1e+300.
+[[nodiscard]] std::string short_text(double number);
+
 /// The first of the names, and how many more there are.
 [[nodiscard]] std::string some_of(const std::vector<std::string>& names);
 

@@ -3,9 +3,12 @@
 #include "slice_stack.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
+
+#include "messages.h"
 
 namespace mor::import {
 namespace {
@@ -87,12 +90,24 @@ Result<void> check_gaps(const SliceStack& stack) {
     }
     if (gap_mm > kMaxGapMm) {
       return make_error(ErrorCode::kUnsupported,
-                        "two neighbouring slices lie " + std::to_string(gap_mm) + " mm apart (" +
-                            pair + "), more than " + std::to_string(kMaxGapMm) +
+                        "two neighbouring slices lie " + short_text(gap_mm) + " mm apart (" + pair +
+                            "), more than " + short_text(kMaxGapMm) +
                             " mm is not bridged: slices are missing");
     }
   }
   return {};
+}
+
+Result<void> check_limits(const std::array<double, 3>& sides) {
+  const double num_bytes = 2.0 * sides[0] * sides[1] * sides[2];
+  if (std::all_of(sides.begin(), sides.end(), [](double side) { return side <= kMaxVolumeSide; }) &&
+      num_bytes <= static_cast<double>(kMaxVolumeBytes))
+    return {};
+  return make_error(ErrorCode::kInvalidArgument,
+                    "the CT would have " + short_text(sides[0]) + " x " + short_text(sides[1]) +
+                        " x " + short_text(sides[2]) + " voxels, the limits are " +
+                        std::to_string(kMaxVolumeSide) + " a side and " +
+                        std::to_string(kMaxVolumeBytes >> 20) + " MiB");
 }
 
 }  // namespace
@@ -138,9 +153,13 @@ Result<ImportHeader> grid_for(const SliceStack& stack) {
 
   ImportHeader grid;
   grid.magic = kImportMagic;
-  grid.size[0] = stack.columns + static_cast<int>(std::ceil(extra_px.x()));
-  grid.size[1] = stack.rows + static_cast<int>(std::ceil(extra_px.y()));
-  grid.size[2] = static_cast<int>(std::floor(heights.back() / spacing_z_mm + 1e-6)) + 1;
+  const std::array<double, 3> sides = {stack.columns + std::ceil(extra_px.x()),
+                                       stack.rows + std::ceil(extra_px.y()),
+                                       std::floor(heights.back() / spacing_z_mm + 1e-6) + 1.0};
+  MOR_CHECK(check_limits(sides));
+  std::transform(sides.begin(), sides.end(), grid.size.begin(), [](double side) {
+    return static_cast<std::int32_t>(side);
+  });
   grid.spacing_mm = {stack.spacing_mm.x(), stack.spacing_mm.y(), spacing_z_mm};
   const Eigen::Vector3d origin = stack.origins_mm.front() + stack.axes * offsets.min();
   std::copy_n(origin.data(), 3, grid.origin_mm.begin());

@@ -16,6 +16,7 @@
 #include "morgagni/core/files.h"
 #include "morgagni/ct/import_protocol.h"
 
+#include "messages.h"
 #include "sandbox.h"
 #include "vtp_data.h"
 
@@ -197,19 +198,21 @@ class VtpReader {
     const std::string type = array.attribute("type");
     const std::size_t size = vtp_type_bytes(type);
     if (size == 0) return damaged("it has numbers of type \"" + type.substr(0, 40) + "\"");
-    const auto what = array.section + " " + array.attribute("Name").substr(0, 40);
+    const auto what = array.section + " \"" + array.attribute("Name").substr(0, 40) +
+                      "\" are not what is announced: at most " + std::to_string(at_most) +
+                      " numbers";
     const std::string format = array.attribute("format");
     allow_memory(12 * bytes_.size() + 4 * at_most * (size + sizeof(double)));
     if (format == "ascii") {
       if (auto found = vtp_ascii(array.text, at_most)) return *std::move(found);
-      return damaged("the numbers of " + what);
+      return damaged("the numbers of its " + what);
     }
     const auto bytes = format == "appended"
                            ? appended(array, size * at_most)
                            : vtp_base64(trimmed(array.text), coding_, size * at_most);
-    if (!bytes) return damaged("the data of " + what);
+    if (!bytes) return damaged("the data of its " + what);
     auto found = vtp_numbers(*bytes, type, coding_.big_endian);
-    if (!found) return damaged("the data of " + what);
+    if (!found) return damaged("the data of its " + what);
     return *std::move(found);
   }
 
@@ -255,7 +258,10 @@ class VtpReader {
     if (num_points > 0) {
       if (points == nullptr) return damaged("a piece has no points");
       MOR_TRY(const auto places, numbers(*points, 3 * num_points));
-      if (places.size() != 3 * num_points) return damaged("a piece has too few points");
+      if (places.size() != 3 * num_points) {
+        return damaged("a piece announces " + std::to_string(num_points) + " points, " +
+                       std::to_string(places.size() / 3) + " are there");
+      }
       for (std::size_t i = 0; i < num_points; ++i)
         mesh.vertices.emplace_back(static_cast<float>(places[3 * i]),
                                    static_cast<float>(places[3 * i + 1]),
@@ -277,15 +283,20 @@ class VtpReader {
     if (offsets_array == nullptr || corners_array == nullptr)
       return damaged(section + " have no connectivity");
     MOR_TRY(const auto offsets, numbers(*offsets_array, num_cells));
-    if (offsets.size() != num_cells) return damaged(section + " have too few offsets");
+    if (offsets.size() != num_cells) {
+      return damaged(std::to_string(num_cells) + " " + section + " are announced, " +
+                     std::to_string(offsets.size()) + " are there");
+    }
     const double last = offsets.back();
     if (!(last >= 0.0 && last <= 4.0 * kMaxMeshTriangles))
-      return damaged(section + " have offsets that are none");
+      return damaged(section + " end with the offset " + short_text(last));
     MOR_TRY(const auto corners, numbers(*corners_array, static_cast<std::size_t>(last)));
     std::size_t begin = 0;
     for (const double offset : offsets) {
       if (!(offset >= static_cast<double>(begin) && offset <= static_cast<double>(corners.size())))
-        return damaged(section + " have offsets that are none");
+        return damaged(section + " have the offset " + short_text(offset) + " where " +
+                       std::to_string(begin) + " to " + std::to_string(corners.size()) +
+                       " are possible");
       const auto end = static_cast<std::size_t>(offset);
       MOR_CHECK(add_cell(
           std::span(corners).subspan(begin, end - begin), section == "Strips", first, mesh));
@@ -301,7 +312,10 @@ class VtpReader {
                         TriangleMesh& mesh) const {
     const auto num_points = static_cast<double>(mesh.vertices.size() - first);
     for (const double corner : corners)
-      if (!(corner >= 0.0 && corner < num_points)) return damaged("a corner names no point");
+      if (!(corner >= 0.0 && corner < num_points)) {
+        return damaged("a corner names point " + short_text(corner) + ", there are 0 to " +
+                       short_text(num_points - 1.0));
+      }
     const auto vertex = [&](std::size_t i) {
       return static_cast<std::uint32_t>(first + static_cast<std::size_t>(corners[i]));
     };

@@ -61,7 +61,7 @@ Counts nifti_counts(const std::string& packed) {
 Counts text_counts(const std::string& bytes, std::string_view key, int most) {
   Counts counts;
   for (auto at = bytes.find(key); at != std::string::npos; at = bytes.find(key, at + 1)) {
-    const std::size_t begin = bytes.find_first_not_of(" =:", at + key.size());
+    const std::size_t begin = bytes.find_first_not_of(" =:\"", at + key.size());
     if (begin == std::string::npos) continue;
     const std::string line = bytes.substr(begin, bytes.find('\n', begin) - begin);
     const char* next = line.c_str();
@@ -86,7 +86,7 @@ std::size_t occurrences(const std::string& bytes, std::string_view word) {
 
 std::string says(const char* what, std::size_t answered, const Counts& declared) {
   std::string text = std::to_string(answered) + " " + what + ", declared";
-  for (const auto count : declared) text += " " + std::to_string(count);
+  for (const auto count : declared) text.append(1, ' ').append(std::to_string(count));
   return text;
 }
 
@@ -126,6 +126,11 @@ std::string contradiction(std::string_view format,
     if (!faces.contains(static_cast<std::int64_t>(mesh.triangles.size())))
       return says("triangles", mesh.triangles.size(), faces);
     return {};
+  }
+  if (format == "vtp") {
+    const Counts vertices = text_counts(bytes, "NumberOfPoints", 1);
+    if (vertices.contains(static_cast<std::int64_t>(mesh.vertices.size()))) return {};
+    return says("vertices", mesh.vertices.size(), vertices);
   }
   // At most one triangle for each that is written down: 50 bytes or a "facet", a corner or two.
   std::size_t most = occurrences(bytes, "facet") + bytes.size() / 50;

@@ -18,6 +18,7 @@
 #include "morgagni/core/folder_lock.h"
 #include "morgagni/core/image_png.h"
 #include "morgagni/core/pending_folder.h"
+#include "morgagni/core/printable_text.h"
 #include "morgagni/core/utc.h"
 #include "morgagni/core/version.h"
 #include "morgagni/geometry/triangle_mesh_io.h"
@@ -102,7 +103,7 @@ Json identity(const Volume& volume, const fs::path& source) {
   for (int column = 0; column < 3; ++column) {
     axes.push_back(to_json(Eigen::Vector3d(volume.ct_from_grid.linear().col(column))));
   }
-  return {{"source", fs::absolute(source).lexically_normal().filename().string()},
+  return {{"source", printable_text(fs::absolute(source).lexically_normal().filename().string())},
           {"description", volume.description},
           {"size", volume.size},
           {"spacing_mm", to_json(volume.spacing_mm)},
@@ -217,7 +218,9 @@ Result<void> write_case(const fs::path& folder,
   }
   progress("write case", 0.6);
   MOR_TRY(document["files"], hashes(folder));
-  return write_file(folder / kCaseFile, document.dump(2) + "\n");
+  // A file's name need not be UTF-8.
+  return write_file(folder / kCaseFile,
+                    document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 /// Surfaces and voxels of the CT: all that a case holds.

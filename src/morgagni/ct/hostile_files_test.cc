@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Files that mean no good, or were met by a bad fate: each gets one sentence, nothing else.
 #include <cstring>
-#include <random>
 
 #include <gmock/gmock.h>
 
@@ -101,11 +100,21 @@ TEST_F(HostileFiles, Nrrds) {
       {"empty.nrrd", "", "damaged"},
       {"magic.nrrd", "NRRD0004\n", "cut short, or its header"},
       {"other.nrrd", "PNG is not what this is", "damaged"},
-      {"cut.nrrd", head + grid + "\n" + std::string(30, 'v'), "cut short"},
-      {"no_size.nrrd", head + "dimension: 3\n\n" + std::string(48, 'v'), "cannot be read"},
+      {"cut.nrrd",
+       head + grid + "\n" + std::string(30, 'v'),
+       "cut short: 48 bytes of voxels are announced, 30 are there"},
+      {"no_size.nrrd",
+       head + "dimension: 3\n\n" + std::string(48, 'v'),
+       "its head has no line \"sizes:\""},
       {"minus.nrrd",
        head + "dimension: 3\nsizes: 4 -3 2\n\n" + std::string(48, 'v'),
-       "cannot be read"},
+       "has -3 voxels along y, the limits are 2 and 2048"},
+      {"odd_size.nrrd",
+       head + "dimension: 3\nsizes: 4 3c 2\n\n" + std::string(48, 'v'),
+       "one of its sizes is \"3c\", which is no whole number"},
+      {"two_sizes.nrrd",
+       head + "dimension: 3\nsizes: 4 6\n\n" + std::string(48, 'v'),
+       "its head has 2 sizes for 3 dimensions"},
       {"sixteen.nrrd",
        head + "dimension: 16\nsizes: 1 1 1 1 1 1 1 1 1 1 1 1 1 2 3 4\n\n" + std::string(48, 'v'),
        "16 dimensions, a CT has 3"},
@@ -125,7 +134,7 @@ TEST_F(HostileFiles, Nrrds) {
        "nrrd"},
       {"nan_spacing.nrrd",
        head + "dimension: 3\nsizes: 4 3 2\nspacings: nan nan nan\n\n" + std::string(48, 'v'),
-       "no error"},
+       "its spacings are \"nan nan nan\""},
       {"gone.nhdr", head + grid + "data file: gone.raw\n", "cannot be read"},
       {"half_gzip.nrrd",
        "NRRD0004\ntype: short\nencoding: gzip\nendian: little\n" + grid + "\n" +
@@ -176,15 +185,24 @@ TEST_F(HostileFiles, Niftis) {
        "cut short or damaged: 400 bytes are announced"},
       {"flat.nii", NiftiText{.dim = {2, 4, 6, 1, 1, 1, 1, 1}}.file(), "2 dimensions"},
       {"moving.nii", NiftiText{.dim = {4, 2, 3, 2, 2, 1, 1, 1}}.file(), "4 dimensions"},
-      {"minus.nii", NiftiText{.dim = {3, 4, -3, 2, 1, 1, 1, 1}}.file(), "voxels along y"},
-      {"zero.nii", NiftiText{.dim = {3, 4, 0, 2, 1, 1, 1, 1}}.file(), "voxels along y"},
+      {"minus.nii",
+       NiftiText{.dim = {3, 4, -3, 2, 1, 1, 1, 1}}.file(),
+       "-3 voxels along y, the limits are 2 and 2048"},
+      {"zero.nii",
+       NiftiText{.dim = {3, 4, 0, 2, 1, 1, 1, 1}}.file(),
+       "0 voxels along y, the limits are 2 and 2048"},
       {"nan_place.nii",
        NiftiText{.sform_code = 1, .sform = {1, 0, 0, 0, 0, 1, NAN, 0, 0, 0, 1, 0}}.file(),
        "a number that is not below 1e7"},
       {"endless_place.nii",
        NiftiText{.sform_code = 1, .sform = {1, 0, 0, 0, 0, 1e30F, 1, 0, 0, 0, 1, 0}}.file(),
        "a number that is not below 1e7"},
-      {"many.nii", NiftiText{.dim = {99, 4, 3, 2, 1, 1, 1, 1}}.file(), "nii"},
+      {"many.nii",
+       NiftiText{.dim = {99, 4, 3, 2, 1, 1, 1, 1}}.file(),
+       "99 dimensions, 1 to 7 are possible"},
+      {"two_orders.nii",
+       NiftiText{.dim = {0x300, 4, 3, 2, 1, 1, 1, 1}}.file(),
+       "768 dimensions, 1 to 7 are possible"},
       {"huge.nii",
        NiftiText{.dim = {3, 32000, 32000, 32000, 1, 1, 1, 1}}.file(),
        "32000 voxels along"},
@@ -251,20 +269,22 @@ TEST_F(HostileFiles, DicomFiles) {
   wide.columns = 30000;
   auto strange_bits = plain_slice();
   strange_bits.bits_stored = 40;
-  const std::string copy_again = "cut short or damaged: copy the series again";
+  const auto cut_at = [](const char* place) {
+    return std::string("cut short or damaged (at byte ") + place + "): copy the series again";
+  };
   expect_refused({
       {"one.dcm", good, "fewer than 3 slices"},
-      {"cut_in_pixels.dcm", good.substr(0, good.size() - 10), copy_again},
-      {"cut_in_head.dcm", good.substr(0, pixels_at - 60), copy_again},
-      {"cut_in_tag.dcm", good.substr(0, pixels_at + 3), copy_again},
+      {"cut_in_pixels.dcm", good.substr(0, good.size() - 10), cut_at("368 of 418")},
+      {"cut_in_head.dcm", good.substr(0, pixels_at - 60), cut_at("292 of 296")},
+      {"cut_in_tag.dcm", good.substr(0, pixels_at + 3), cut_at("356 of 359")},
       {"only_preamble.dcm", good.substr(0, 132), "it names no modality"},
-      {"lying_length.dcm", lying.file(), copy_again},
-      {"endless_pixels.dcm", endless.file(), copy_again},
+      {"lying_length.dcm", lying.file(), cut_at("12 of 15")},
+      {"endless_pixels.dcm", endless.file(), cut_at("20 of 20")},
       {"nested.dcm", nested.file(), "nests sequences deeper than 64 levels"},
       {"nested_unknown.dcm", private_nest.file(), "nests sequences deeper than 64 levels"},
       {"bomb.dcm", bomb.file(), "it is no picture"},
-      {"broken_deflate.dcm", broken_deflate, copy_again},
-      {"bad_type.dcm", with(good, 144 + 20, "??????????????????????????"), copy_again},
+      {"broken_deflate.dcm", broken_deflate, "cut short or damaged: copy the series again"},
+      {"bad_type.dcm", with(good, 144 + 20, "??????????????????????????"), cut_at("0 of 428")},
       {"no_pixels.dcm", slice_file({}), "it has no pixels"},
       {"video.dcm", slice_file(video), "its modality is XC, not CT"},
       {"no_modality.dcm", slice_file(no_modality), "it names no modality"},
@@ -272,7 +292,7 @@ TEST_F(HostileFiles, DicomFiles) {
       {"nan_place.dcm", slice_file(nan), "it has no position in space"},
       {"skew.dcm", slice_file(skew), "it has no position in space"},
       {"no_spacing.dcm", slice_file(no_spacing), "no pixel spacing above 0 mm"},
-      {"wide.dcm", slice_file(wide), "larger than 2048 pixels a side"},
+      {"wide.dcm", slice_file(wide), "it has 30000 x 5 pixels, the limit is 2048 a side"},
       {"strange_bits.dcm", slice_file(strange_bits), "stores 40 of 16 bits a pixel"},
       {"zip.zip", "PK\x03\x04 and then nothing", "no whole zip archive"},
       {"picture.jpg", "\xff\xd8\xff\xe0 JFIF", "no CT that is read here"},
@@ -302,7 +322,10 @@ TEST_F(HostileFiles, DicomSeries) {
   EXPECT_THAT(error_of(write_three(few_pixels)), HasSubstr("damaged or missing pixels"));
   auto far = plain_slice(2);
   far.position_mm.z() = 1e300;
-  EXPECT_THAT(error_of(write_three(far)), HasSubstr("missing"));
+  EXPECT_THAT(error_of(write_three(far)), HasSubstr("lie 1e+300 mm apart"));
+  auto far_aside = plain_slice(2);
+  far_aside.position_mm.x() = 1e12;
+  EXPECT_THAT(error_of(write_three(far_aside)), HasSubstr("would have 2e+12 x 5 x 3 voxels"));
   auto claims_compression = plain_slice(2);
   std::string file = slice_file(claims_compression);
   // The pixels as one fragment of nonsense in a syntax that needs a decoder.
@@ -345,89 +368,6 @@ TEST_F(HostileFiles, Folders) {
   EXPECT_THAT(error_of(folder_ / "DICOMDIR"), HasSubstr("names no file that is there"));
 }
 
-/// Bytes flipped, lost, doubled and overwritten at random: a volume or a sentence, in time.
-class Mutants : public HostileFiles {
- protected:
-  static std::string mutated(std::string bytes, std::mt19937& random) {
-    const auto below = [&](std::size_t limit) {
-      return std::uniform_int_distribution<std::size_t>(0, limit - 1)(random);
-    };
-    const auto num_changes = 1 + below(8);
-    for (std::size_t i = 0; i < num_changes && bytes.size() > 8; ++i) {
-      const std::size_t at = below(bytes.size() - 4);
-      switch (below(5)) {
-        case 0:
-          bytes[at] = static_cast<char>(below(256));
-          break;
-        case 1:
-          bytes[at] = static_cast<char>(bytes[at] ^ (1 << below(8)));
-          break;
-        case 2:
-          bytes.erase(at, 1 + below(4));
-          break;
-        case 3:
-          bytes.insert(at, bytes.substr(below(bytes.size()), 1 + below(16)));
-          break;
-        default:
-          bytes.replace(at, 4, below(2) == 0 ? "\xff\xff\xff\xff" : "\x7f\xff\xff\x7f");
-          break;
-      }
-    }
-    if (below(10) == 0) bytes.resize(below(bytes.size()) + 1);
-    return bytes;
-  }
-
-  /// @return How many of the mutants killed the import process.
-  int num_deaths(const std::string& name, const std::string& bytes, int num_mutants) {
-    std::mt19937 random(20261126);
-    int deaths = 0;
-    for (int i = 0; i < num_mutants; ++i) {
-      const auto path = write(name, mutated(bytes, random));
-      const auto sentence = error_of(path.parent_path() == folder_ ? path : path.parent_path());
-      EXPECT_FALSE(sentence.empty());
-      EXPECT_EQ(sentence.find('\n'), std::string::npos);
-      EXPECT_THAT(sentence, Not(HasSubstr("longer than"))) << "mutant " << i;
-      if (sentence.find(" died ") != std::string::npos) ++deaths;
-    }
-    return deaths;
-  }
-};
-
-constexpr int kNumMutants = 80;
-
-TEST_F(Mutants, OfDicomDoNotKillTheParser) {
-  for (const char* syntax : {kExplicit, kImplicit, kDeflated}) {
-    for (int k = 0; k < 3; ++k) {
-      auto slice = plain_slice(k);
-      slice.transfer_syntax = syntax;
-      write("s/" + std::to_string(k), slice_file(slice));
-    }
-    auto slice = plain_slice(2);
-    slice.transfer_syntax = syntax;
-    EXPECT_EQ(num_deaths("s/2", slice_file(slice), kNumMutants / 2), 0);
-  }
-}
-
-TEST_F(Mutants, OfNiftiAreSurvived) {
-  EXPECT_EQ(num_deaths("mutant.nii", NiftiText{}.file(), kNumMutants), 0);
-}
-
-TEST_F(Mutants, OfNrrdAreSurvived) {
-  const std::string file =
-      "NRRD0004\ntype: short\nencoding: raw\nendian: little\ndimension: 3\nsizes: 4 3 2\n"
-      "space: left-posterior-superior\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n"
-      "space origin: (0,0,0)\n\n";
-  EXPECT_EQ(num_deaths("mutant.nrrd", file + std::string(48, 'v'), kNumMutants), 0);
-}
-
-TEST_F(Mutants, OfMetaImageAreSurvived) {
-  EXPECT_EQ(
-      num_deaths(
-          "mutant.mha", mha("NDims = 3\nDimSize = 4 3 2\nElementType = MET_SHORT\n"), kNumMutants),
-      0);
-}
-
-}  // namespace
 /// Found by fuzzing: GDCM reads past its stream in one, and runs into an assertion in the other.
 TEST_F(HostileFiles, ThatBringDownGdcmDieInTheImportProcessAlone) {
   for (const std::string name : {"rle_streams.dcm", "jpeg16_assert.dcm"}) {
@@ -438,4 +378,5 @@ TEST_F(HostileFiles, ThatBringDownGdcmDieInTheImportProcessAlone) {
   }
 }
 
+}  // namespace
 }  // namespace mor

@@ -132,6 +132,22 @@ TEST_F(ImportLabels, TakesNamesAndColoursFromSlicersHead) {
   EXPECT_EQ(labels->names[1].name, "bullet");
 }
 
+TEST_F(ImportLabels, TakesNothingThatCannotBeShown) {
+  const std::string head =
+      "NRRD0004\ntype: uchar\nencoding: raw\ndimension: 3\nsizes: 4 3 2\n"
+      "space: left-posterior-superior\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n"
+      "space origin: (5,6,7)\nSegment0_Name:=Sch\xe4"
+      "del\x1b[31m\nSegment0_LabelValue:=2\nSegment0_Color:=nan 1e300 -1\n"
+      "Segment1_Name:=far\nSegment1_LabelValue:=1e300\nSegment2_Name:=" +
+      std::string(79, 'x') + "\xc3\xa4\nSegment2_LabelValue:=3\n\n";
+  const auto labels = import_label_map(write("map.seg.nrrd", head + std::string(24, '\2')), {});
+  ASSERT_TRUE(labels) << labels.error().message;
+  ASSERT_EQ(labels->names.size(), 2U) << "a label beyond 32767 names nothing";
+  EXPECT_EQ(labels->names[0].name, "Sch\u00e4del [31m");
+  EXPECT_TRUE(labels->names[0].color.isApprox(Eigen::Vector3f(0, 1, 0)));
+  EXPECT_EQ(labels->names[1].name, std::string(79, 'x')) << "no half of a letter";
+}
+
 /// A NIfTI as TotalSegmentator writes it: the label table in an extension behind the head.
 TEST_F(ImportLabels, TakesNamesFromTotalSegmentatorsTable) {
   std::string table =

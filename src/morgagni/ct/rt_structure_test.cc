@@ -7,66 +7,18 @@
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <spdlog/fmt/fmt.h>
 
 #include "morgagni/ct/label_map.h"
 #include "morgagni/ct/mesh_quality.h"
 #include "morgagni/ct/test_volumes.h"
-#include "morgagni/ct/testing/dicom_writer.h"
 #include "morgagni/ct/testing/import_folder.h"
+#include "morgagni/ct/testing/structure_set_writer.h"
 
 namespace mor {
 namespace {
 
 using testing::HasSubstr;
 using namespace testing_dicom;
-
-struct ContourText {
-  std::vector<Eigen::Vector3d> places;
-  std::string type = "CLOSED_PLANAR";
-};
-
-struct RoiText {
-  std::string name;
-  std::vector<ContourText> contours;
-};
-
-std::string numbers_of(const std::vector<Eigen::Vector3d>& places) {
-  std::string text;
-  for (const auto& place : places)
-    text += fmt::format(
-        "{}{:.3f}\\{:.3f}\\{:.3f}", text.empty() ? "" : "\\", place.x(), place.y(), place.z());
-  return text;
-}
-
-/// A structure set; `data` of a contour may be anything.
-std::string set_file(const std::vector<RoiText>& rois, const std::string& other_data = {}) {
-  std::vector<std::string> names;
-  std::vector<std::string> contours;
-  for (std::size_t i = 0; i < rois.size(); ++i) {
-    DicomWriter name;
-    name.text(0x3006'0022, "IS", std::to_string(i + 7));
-    name.text(0x3006'0026, "LO", rois[i].name);
-    names.push_back(name.data());
-    std::vector<std::string> items;
-    for (const auto& contour : rois[i].contours) {
-      DicomWriter item;
-      item.text(0x3006'0042, "CS", contour.type);
-      item.text(0x3006'0050, "DS", other_data.empty() ? numbers_of(contour.places) : other_data);
-      items.push_back(item.data());
-    }
-    DicomWriter roi;
-    roi.text(0x3006'002a, "IS", "255\\0\\51");
-    roi.sequence(0x3006'0040, items);
-    roi.text(0x3006'0084, "IS", std::to_string(i + 7));
-    contours.push_back(roi.data());
-  }
-  DicomWriter out;
-  out.text(0x0008'0060, "CS", "RTSTRUCT");
-  out.sequence(0x3006'0020, names);
-  out.sequence(0x3006'0039, contours);
-  return out.file();
-}
 
 const Eigen::Vector3d kMiddle(10, 20, 30);
 
@@ -103,9 +55,10 @@ double volume_of(int radius_mm) {
 TEST_F(RtStructures, BecomeClosedSurfacesThatMayOverlap) {
   auto shell = ball(25);
   for (const auto& hole : ball(15)) shell.push_back(hole);
-  const auto path = write(
-      "set.dcm",
-      set_file({{"tumour", ball(20)}, {"isocentre", {{{kMiddle}, "POINT"}}}, {"shell", shell}}));
+  const auto path =
+      write("set.dcm",
+            structure_set_file(
+                {{"tumour", ball(20)}, {"isocentre", {{{kMiddle}, "POINT"}}}, {"shell", shell}}));
   const auto maps = import_label_maps(path, {});
   ASSERT_TRUE(maps) << maps.error().message;
   ASSERT_EQ(maps->size(), 2U) << "the point is no structure";
@@ -131,7 +84,8 @@ TEST_F(RtStructures, BecomeClosedSurfacesThatMayOverlap) {
 /// Of a tilted scan the contours are tilted, too.
 TEST_F(RtStructures, AreTakenAsTheyAreTilted) {
   const Eigen::Matrix3d axes = Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()).toRotationMatrix();
-  const auto maps = import_label_maps(write("set.dcm", set_file({{"ball", ball(20, axes)}})), {});
+  const auto maps =
+      import_label_maps(write("set.dcm", structure_set_file({{"ball", ball(20, axes)}})), {});
   ASSERT_TRUE(maps) << maps.error().message;
   const auto surface = extract_labels(maps->front(), {}, {}).value().front();
   EXPECT_NEAR(enclosed_volume_mm3(surface.mesh), volume_of(20), 0.06 * volume_of(20));
@@ -143,21 +97,23 @@ TEST_F(RtStructures, SayWhatIsWrong) {
   bent.front().places.front().z() += 4.0;
   auto far = ball(20);
   far.front().places.front().x() = 90000.0;
-  EXPECT_THAT(refusal(set_file({})), HasSubstr("no structure with closed contours"));
-  EXPECT_THAT(refusal(set_file({{"point", {{{kMiddle}, "POINT"}}}})),
+  EXPECT_THAT(refusal(structure_set_file({})), HasSubstr("no structure with closed contours"));
+  EXPECT_THAT(refusal(structure_set_file({{"point", {{{kMiddle}, "POINT"}}}})),
               HasSubstr("no structure with closed contours"));
-  EXPECT_THAT(refusal(set_file({{"bent", bent}})), HasSubstr("not flat or not parallel"));
-  EXPECT_THAT(refusal(set_file({{"far", far}})), HasSubstr("no structure of a body"));
+  EXPECT_THAT(refusal(structure_set_file({{"bent", bent}})), HasSubstr("not flat or not parallel"));
+  EXPECT_THAT(refusal(structure_set_file({{"far", far}})), HasSubstr("no structure of a body"));
   for (const char* data :
        {"1\\2", "1\\2\\3\\4", "1\\2\\3\\4\\5\\6", "a\\b\\c", "1e300\\0\\0\\0\\1\\0\\1\\1\\0"})
-    EXPECT_THAT(refusal(set_file({{"odd", ball(20)}}, data)), HasSubstr("damaged contour")) << data;
-  const std::string good = set_file({{"ball", ball(20)}});
+    EXPECT_THAT(refusal(structure_set_file({{"odd", ball(20)}}, data)),
+                HasSubstr("damaged contour"))
+        << data;
+  const std::string good = structure_set_file({{"ball", ball(20)}});
   for (const std::size_t at : {good.size() / 4, good.size() / 2, good.size() - 3}) {
     EXPECT_THAT(refusal(good.substr(0, at)), testing::Not(HasSubstr("no error")));
   }
   // A line without an inside: a map without a label, and a sentence when a surface is wanted of it.
   const auto line = import_label_maps(
-      write("line.dcm", set_file({{"line", ball(20)}}, "0\\0\\0\\1\\0\\0\\2\\0\\0")), {});
+      write("line.dcm", structure_set_file({{"line", ball(20)}}, "0\\0\\0\\1\\0\\0\\2\\0\\0")), {});
   ASSERT_TRUE(line) << line.error().message;
   EXPECT_THAT(extract_labels(line->front(), {}, {}).error().message, HasSubstr("no label"));
 }

@@ -16,6 +16,7 @@
 namespace mor {
 namespace {
 
+namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing_dicom::slice_file;
 using testing_dicom::SliceText;
@@ -289,6 +290,24 @@ TEST_F(SeriesJoin, IsRefusedWhereTheHuDoNotFit) {
   write_series(scanned(body_, {.from_z_mm = -30, .to_z_mm = 120, .hu_offset = 140}),
                named("high", 2, "9.1"));
   EXPECT_THAT(join_error({.series = "1", .join = {"2"}}), HasSubstr("soft tissue differs by 1"));
+}
+
+TEST_F(SeriesJoin, SaysWhatIsWrong) {
+  const auto lower = [&](const SliceText& head) {
+    write_series(scanned(body_, {.from_z_mm = -120, .to_z_mm = 30}), head);
+  };
+  lower(named("low", 1, "9.1"));
+  write_series(scanned(body_, {.from_z_mm = -30, .to_z_mm = 120}), named("high", 2, "9.1"));
+  write_series(scanned(body_, {.from_z_mm = 60, .to_z_mm = 120}), named("far", 3, "9.1"));
+  EXPECT_THAT(join_error({.series = "1", .join = {"low"}}), HasSubstr("\"low\" is named twice"));
+  EXPECT_THAT(join_error({.series = "1", .join = {"2", "2"}}), HasSubstr("\"2\" is named twice"));
+  EXPECT_THAT(join_error({.series = "", .join = {"2"}}),
+              HasSubstr("name the series of the 3 in " + folder_.string()));
+  EXPECT_THAT(join_error({.series = "1", .join = {"far"}}),
+              HasSubstr("lie 30.0 mm apart along the body, more than 4.5 mm are not bridged"));
+  fs::resize_file(folder_ / "high" / "3", 900);
+  EXPECT_THAT(join_error({.series = "1", .join = {"2"}}),
+              HasSubstr("high/3 is cut short or damaged (at byte 364 of 740)"));
 }
 
 }  // namespace

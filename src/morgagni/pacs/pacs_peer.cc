@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <regex>
 
-#include <glib.h>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/core/printable_text.h"
 #include "morgagni/pacs/internal/dicomweb_peer.h"
 #include "morgagni/pacs/internal/dimse_peer.h"
 
@@ -80,19 +80,7 @@ bool is_dicom_uid(std::string_view text) {
 
 std::string terminal_text(std::string_view text) {
   constexpr std::size_t kMaxBytes = 200;
-  char* valid =
-      g_utf8_make_valid(text.data(), static_cast<gssize>(std::min(text.size(), kMaxBytes)));
-  std::string clean;
-  for (const char* at = valid; *at != '\0'; at = g_utf8_next_char(at)) {
-    const gunichar letter = g_utf8_get_char(at);
-    // Neither escape sequences nor marks that turn the direction of what follows.
-    const bool harmless =
-        g_unichar_isprint(letter) != 0 && g_unichar_type(letter) != G_UNICODE_FORMAT;
-    if (harmless) clean.append(at, static_cast<std::size_t>(g_utf8_next_char(at) - at));
-    if (!harmless) clean += ' ';
-  }
-  g_free(valid);
-  return clean;
+  return printable_text(text.substr(0, kMaxBytes));
 }
 
 }  // namespace mor

@@ -10,6 +10,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/core/image_png.h"
+#include "morgagni/core/printable_text.h"
 
 namespace mor::api {
 namespace {
@@ -32,7 +33,7 @@ HttpResponse answer(const Result<Json>& result) {
   if (result) return {200, "application/json", result->dump()};
   return {http_status(result.error().code),
           "application/json",
-          Json{{"error", result.error().message}}.dump()};
+          Json{{"error", printable_text(result.error().message)}}.dump()};
 }
 
 HttpResponse png_answer(ImageView<const Rgb8> picture) {

@@ -22,6 +22,7 @@
 #include <unistd.h>
 
 #include "morgagni/core/log.h"
+#include "morgagni/core/printable_text.h"
 #include "morgagni/ct/import_protocol.h"
 #include "morgagni/ct/internal/volume_header.h"
 
@@ -96,6 +97,7 @@ std::optional<CtSeries> series_of(std::string_view text) {
   constexpr std::size_t kNumFields = 10;
   if (fields.size() != kNumFields) return std::nullopt;
   CtSeries series;
+  for (auto& field : fields) field = printable_text(field);
   series.uid = fields[0];
   series.description = fields[1];
   series.patient_id = fields[2];
@@ -119,14 +121,12 @@ std::optional<LabelName> label_of(std::string_view text) {
     text.remove_prefix(end + 1);
   }
   if (!(numbers[0] >= 1.0 && numbers[0] <= 32767.0) || text.empty()) return std::nullopt;
-  LabelName label{static_cast<int>(numbers[0]), std::string(text), {}};
-  for (int channel = 0; channel < 3; ++channel)
-    label.color[channel] =
-        static_cast<float>(std::clamp(numbers[static_cast<std::size_t>(channel) + 1], 0.0, 1.0));
   constexpr std::size_t kMaxNameBytes = 80;
-  label.name.resize(std::min(label.name.size(), kMaxNameBytes));
-  for (char& letter : label.name)
-    if (static_cast<unsigned char>(letter) < 0x20) letter = ' ';
+  LabelName label{static_cast<int>(numbers[0]), printable_text(text.substr(0, kMaxNameBytes)), {}};
+  for (int channel = 0; channel < 3; ++channel) {
+    const double share = numbers[static_cast<std::size_t>(channel) + 1];
+    label.color[channel] = share >= 0.0 ? static_cast<float>(std::min(share, 1.0)) : 0.0F;
+  }
   return label;
 }
 
@@ -139,9 +139,9 @@ void hear_line(std::string_view line, Talk& talk, const Progress& progress) {
         fraction >= 0.0 && fraction < 1.0 && progress)
       progress(kStage, fraction);
   } else if (line[0] == 'f') {
-    talk.current_file = text;
+    talk.current_file = printable_text(text);
   } else if (line[0] == 'n') {
-    if (++talk.num_notes <= kMaxNotes) log::warn("{}", text);
+    if (++talk.num_notes <= kMaxNotes) log::warn("{}", printable_text(text));
   } else if (line[0] == 's') {
     if (auto series = series_of(text); series && talk.series.size() < kMaxSeries)
       talk.series.push_back(*std::move(series));
@@ -153,7 +153,7 @@ void hear_line(std::string_view line, Talk& talk, const Progress& progress) {
   } else if (line[0] == 'c') {
     talk.frame = text;
   } else if (line[0] == 'e' && !talk.error) {
-    talk.error = error_of(text);
+    talk.error = error_of(printable_text(text));
   }
 }
 

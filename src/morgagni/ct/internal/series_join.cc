@@ -25,6 +25,13 @@ constexpr double kMovedFarMm = 10.0;
 Result<CtSeries> series_named(const std::vector<CtSeries>& all,
                               const std::string& wanted,
                               const std::filesystem::path& path) {
+  if (wanted.empty()) {
+    return make_error(ErrorCode::kInvalidArgument,
+                      fmt::format("name the series of the {} in {} that others are joined to "
+                                  "(--series): see --list-series",
+                                  all.size(),
+                                  path.string()));
+  }
   for (std::size_t i = 0; i < all.size(); ++i)
     if (wanted == std::to_string(i + 1) || wanted == all[i].uid || wanted == all[i].description)
       return all[i];
@@ -118,6 +125,14 @@ Result<Volume> import_joined(const std::filesystem::path& path,
   std::vector<CtSeries> others;
   for (const auto& wanted : options.join) {
     MOR_TRY(const CtSeries other, series_named(all, wanted, path));
+    const bool is_there =
+        other.uid == first.uid || std::any_of(others.begin(), others.end(), [&](const auto& o) {
+          return o.uid == other.uid;
+        });
+    if (is_there) {
+      return make_error(ErrorCode::kInvalidArgument,
+                        fmt::format("series \"{}\" is named twice: each is joined once", wanted));
+    }
     MOR_CHECK(check_frames(first, other, options.align));
     others.push_back(other);
   }

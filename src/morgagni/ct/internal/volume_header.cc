@@ -7,6 +7,9 @@
 #include <string>
 
 #include <Eigen/SVD>
+#include <spdlog/fmt/fmt.h>
+
+#include "morgagni/core/printable_text.h"
 
 namespace mor::internal {
 namespace {
@@ -41,12 +44,14 @@ Result<void> check_numbers(const ImportHeader& header) {
     if (!(spacing_mm >= kMinSpacingMm && spacing_mm <= kMaxSpacingMm)) {
       return make_error(ErrorCode::kInvalidArgument,
                         std::string("the voxel spacing along ") + "xyz"[axis] + " is " +
-                            std::to_string(spacing_mm) +
+                            fmt::format("{:g}", spacing_mm) +
                             " mm, it must be between 0.01 and 50 mm: mend the file's header");
     }
     if (!(std::abs(header.origin_mm[axis]) <= kMaxOriginMm)) {
       return make_error(ErrorCode::kInvalidArgument,
-                        "the CT's origin is not a finite place within 100 m");
+                        fmt::format("the CT's origin is {:g} mm away along {}, not within 100 m",
+                                    header.origin_mm[axis],
+                                    "xyz"[axis]));
     }
   }
   return {};
@@ -62,9 +67,11 @@ Result<Volume> volume_from_header(const ImportHeader& header) {
   const Eigen::Matrix3d axes = Eigen::Map<const Eigen::Matrix3d>(header.axes.data());
   const double skew = (axes.transpose() * axes - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!(skew <= kAxesTolerance)) {
-    return make_error(
-        ErrorCode::kUnsupported,
-        "the CT's axes are not at right angles: resample it onto a right-angled grid");
+    return make_error(ErrorCode::kUnsupported,
+                      fmt::format("the CT's axes are not at right angles of length 1 (off by {:g}, "
+                                  "the limit is {:g}): resample it onto a right-angled grid",
+                                  skew,
+                                  kAxesTolerance));
   }
   Volume volume;
   std::copy_n(header.size.begin(), 3, volume.size.begin());
@@ -73,10 +80,7 @@ Result<Volume> volume_from_header(const ImportHeader& header) {
   volume.ct_from_grid.linear() = svd.matrixU() * svd.matrixV().transpose();
   volume.ct_from_grid.translation() = Eigen::Map<const Eigen::Vector3d>(header.origin_mm.data());
   const auto end = std::find(header.description.begin(), header.description.end(), '\0');
-  volume.description.assign(header.description.begin(), end);
-  for (char& letter : volume.description) {
-    if (static_cast<unsigned char>(letter) < 0x20 || letter == 0x7f) letter = ' ';
-  }
+  volume.description = printable_text({header.description.begin(), end});
   return volume;
 }
 

@@ -15,7 +15,7 @@ struct SampleFile {
 };
 
 /// Small whole files of each format that is imported: what mutants and fuzzing begin with.
-/// @param format  "dicom", "nifti", "nrrd", "mha", "ply", "stl" or "obj".
+/// @param format  "dicom", "rtstruct", "nifti", "nrrd", "mha", "ply", "stl", "obj" or "vtp".
 /// @return For DICOM: slices at z = 2 of a series of which sample_neighbours() are z = 0 and 1;
 ///         those with "alone" in their name are whole studies of their own.
 [[nodiscard]] std::vector<SampleFile> sample_files(std::string_view format);

@@ -6,12 +6,10 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <optional>
 #include <system_error>
 #include <utility>
 
 #include <fcntl.h>
-#include <nlohmann/json.hpp>
 #include <poll.h>
 #include <spawn.h>
 #include <spdlog/fmt/fmt.h>
@@ -28,7 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
-using Json = nlohmann::json;
 
 /// Above the numbers that the child gets.
 constexpr int kFirstFreeFd = dimse::kSocketFd + 1;
@@ -73,69 +70,10 @@ Result<pid_t> spawn(const fs::path& program, int task_fd, int messages_fd, int s
       fmt::format("cannot start {}: {}", name, std::generic_category().message(failure)));
 }
 
-/// What the child has said.
-struct Talk {
-  std::string pending;
-  std::optional<Result<int>> outcome;
-  bool broken = false;
-};
-
-TagValues tags_of(const Json& json) {
-  TagValues tags;
-  for (const auto& [name, value] : json.items())
-    if (value.is_string()) tags[name] = value.get<std::string>();
-  return tags;
-}
-
-ErrorCode code_of(const Json& json) {
-  const int code = json.value("code", static_cast<int>(ErrorCode::kIo));
-  const bool known = code >= 0 && code <= static_cast<int>(ErrorCode::kInternal);
-  return known ? static_cast<ErrorCode>(code) : ErrorCode::kIo;
-}
-
-/// Throws Json::exception on what it should not be.
-void hear_event(const Json& json, Talk& talk, const DimseEvents& events) {
-  if (json.contains(dimse::kMatch)) {
-    if (events.match) events.match(tags_of(json[dimse::kMatch]));
-  } else if (json.contains(dimse::kStored)) {
-    const auto& stored = json[dimse::kStored];
-    if (events.stored)
-      events.stored(stored.at("file").get<std::string>(), tags_of(stored.at("tags")));
-  } else if (json.contains(dimse::kCaller)) {
-    if (events.caller) events.caller(terminal_text(json[dimse::kCaller].get<std::string>()));
-  } else if (json.contains(dimse::kRefused)) {
-    if (events.refused) events.refused(terminal_text(json[dimse::kRefused].get<std::string>()));
-  } else if (json.contains(dimse::kFailed)) {
-    talk.outcome =
-        make_error(code_of(json), terminal_text(json[dimse::kFailed].get<std::string>()));
-  } else {
-    talk.outcome = json.at(dimse::kDone).get<int>();
-  }
-}
-
-void hear(std::string_view bytes, Talk& talk, const DimseEvents& events) {
-  talk.pending += bytes;
-  std::size_t start = 0;
-  for (std::size_t end; !talk.broken && (end = talk.pending.find('\n', start)) != std::string::npos;
-       start = end + 1) {
-    try {
-      hear_event(
-          Json::parse(std::string_view(talk.pending).substr(start, end - start)), talk, events);
-    } catch (const Json::exception&) {
-      talk.broken = true;
-    }
-  }
-  talk.pending.erase(0, start);
-  talk.broken = talk.broken || talk.pending.size() > dimse::kMaxLineBytes;
-}
-
 /// Until the child closes its pipe. False: the time is over.
-bool listen_to_child(int pipe_fd,
-                     Clock::time_point deadline,
-                     Talk& talk,
-                     const DimseEvents& events) {
+bool listen_to_child(int pipe_fd, Clock::time_point deadline, DimseTalk& talk) {
   std::array<char, 16384> buffer;
-  while (!talk.broken) {
+  while (!talk.is_broken()) {
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now());
     if (left.count() <= 0) return false;
@@ -145,7 +83,7 @@ bool listen_to_child(int pipe_fd,
       continue;
     const auto count = ::read(pipe_fd, buffer.data(), buffer.size());
     if (count == 0 || (count < 0 && errno != EINTR)) break;
-    if (count > 0) hear({buffer.data(), static_cast<std::size_t>(count)}, talk, events);
+    if (count > 0) talk.hear({buffer.data(), static_cast<std::size_t>(count)});
   }
   return true;
 }
@@ -189,19 +127,19 @@ Result<int> run_dimse_process(const fs::path& program,
   auto child_end = above_the_fixed_ones(ends[1]);
   MOR_TRY(const auto child, spawn(program, task.get(), child_end.get(), job.socket_fd));
   child_end.reset();
-  Talk talk;
+  DimseTalk talk(events);
   bool in_time = true;
   {
     const std::stop_callback kill_child(stop, [child] { ::kill(child, SIGKILL); });
-    in_time = listen_to_child(messages.get(), Clock::now() + job.time_limit, talk, events);
+    in_time = listen_to_child(messages.get(), Clock::now() + job.time_limit, talk);
   }
-  const int status = wait_for(child, !in_time || talk.broken || stop.stop_requested());
+  const int status = wait_for(child, !in_time || talk.is_broken() || stop.stop_requested());
   if (stop.stop_requested()) return make_error(ErrorCode::kCancelled, "stopped");
   if (!in_time) {
     return make_error(ErrorCode::kTimeout,
                       fmt::format("{}: more than {} s", job.peer, job.time_limit.count()));
   }
-  if (talk.outcome && !talk.broken) return *std::move(talk.outcome);
+  if (talk.outcome() && !talk.is_broken()) return *talk.outcome();
   return make_error(
       ErrorCode::kIo,
       fmt::format("{}: the process that talks to it died of what it sent{}",

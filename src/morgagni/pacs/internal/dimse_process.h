@@ -3,28 +3,18 @@
 #pragma once
 
 #include <chrono>
-#include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <stop_token>
 #include <string>
 
 #include "morgagni/core/result.h"
-#include "morgagni/pacs/internal/tag_values.h"
+#include "morgagni/pacs/internal/dimse_talk.h"
 
 namespace mor::internal {
 
 /// `morgagni-dimse` beside the running program, or in the folder `bin` beside that folder.
 /// @errors kNotFound.
 [[nodiscard]] Result<std::filesystem::path> find_dimse_program();
-
-/// What a child tells while it works (morgagni/pacs/dimse_protocol.h). Each may be empty.
-struct DimseEvents {
-  std::function<void(TagValues)> match = {};
-  std::function<void(const std::filesystem::path& file, TagValues)> stored = {};
-  std::function<void(std::string)> caller = {};
-  std::function<void(std::string)> refused = {};
-};
 
 /// What one child is to do.
 struct DimseJob {
