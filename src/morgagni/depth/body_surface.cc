@@ -10,6 +10,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/depth/internal/depth_grid.h"
+#include "morgagni/depth/internal/depth_levels.h"
 #include "morgagni/depth/internal/grid_normals.h"
 
 namespace mor {
@@ -87,10 +88,10 @@ struct BodySurfaceExtractor::Impl {
   void back_project(ImageView<const std::uint16_t> depth_mm);
   [[nodiscard]] std::size_t grow_from(std::optional<Eigen::Vector2d> seed_px);
   [[nodiscard]] std::size_t grow_around(std::span<const Eigen::Vector3d> expected);
-  [[nodiscard]] static float mean_around(ImageView<const std::uint16_t> depth_mm,
-                                         int column,
-                                         int row,
-                                         int reach_px);
+  [[nodiscard]] float mean_around(ImageView<const std::uint16_t> depth_mm,
+                                  int column,
+                                  int row,
+                                  int reach_px) const;
   void average(ImageView<const std::uint16_t> depth_mm);
   [[nodiscard]] BodySurface surface(ImageView<const std::uint16_t> depth_mm, std::size_t count);
   void add_vertices(std::size_t count, PointCloud& cloud);
@@ -101,6 +102,7 @@ struct BodySurfaceExtractor::Impl {
   BodySurfaceOptions options;
   std::vector<int> columns, rows;
   std::vector<float> ray_x, ray_y;
+  internal::DepthLevels levels;
   internal::DepthGrid grid;
   internal::RegionGrower grower;
   internal::GridNormals normals;
@@ -146,7 +148,7 @@ void BodySurfaceExtractor::Impl::back_project(ImageView<const std::uint16_t> dep
   for (const int row : rows) {
     const std::uint16_t* depth_row = depth_mm.row(row);
     for (const int column : columns) {
-      const auto z = static_cast<float>(depth_row[column]);
+      const float z = levels.mm(depth_row[column]);
       const bool seen = z > 0.0F && z >= near_mm && z <= far_mm;
       grid.z[i++] = seen ? z : std::numeric_limits<float>::quiet_NaN();
     }
@@ -167,6 +169,7 @@ Result<void> BodySurfaceExtractor::Impl::take(ImageView<const std::uint16_t> dep
                                   camera.width_px,
                                   camera.height_px));
   }
+  levels.learn(depth_mm);
   back_project(depth_mm);
   internal::connect_neighbors(grid, static_cast<float>(options.max_edge_mm), edges);
   return {};
@@ -199,8 +202,8 @@ std::size_t BodySurfaceExtractor::Impl::grow_around(std::span<const Eigen::Vecto
 float BodySurfaceExtractor::Impl::mean_around(ImageView<const std::uint16_t> depth_mm,
                                               int column,
                                               int row,
-                                              int reach_px) {
-  const auto center_mm = static_cast<float>(depth_mm(column, row));
+                                              int reach_px) const {
+  const float center_mm = levels.mm(depth_mm(column, row));
   float sum_mm = center_mm;
   float count = 1.0F;
   for (int v = -reach_px; v <= 0; ++v) {
@@ -208,8 +211,8 @@ float BodySurfaceExtractor::Impl::mean_around(ImageView<const std::uint16_t> dep
     const std::uint16_t* below = depth_mm.row(row - v) + column;
     const int end = v == 0 ? 0 : reach_px + 1;
     for (int u = -reach_px; u < end; ++u) {
-      const auto one_mm = static_cast<float>(above[u]);
-      const auto other_mm = static_cast<float>(below[-u]);
+      const float one_mm = levels.mm(above[u]);
+      const float other_mm = levels.mm(below[-u]);
       const bool same = std::abs(one_mm - center_mm) <= kSameSurfaceMm &&
                         std::abs(other_mm - center_mm) <= kSameSurfaceMm;
       sum_mm += same ? one_mm + other_mm : 0.0F;
