@@ -3,9 +3,13 @@
 #include "morgagni/depth/internal/depth_levels.h"
 
 #include <cmath>
+#include <filesystem>
 #include <random>
 
 #include <gtest/gtest.h>
+#include <spdlog/fmt/fmt.h>
+
+#include "morgagni/core/image_png.h"
 
 namespace mor::internal {
 namespace {
@@ -67,6 +71,21 @@ TEST(DepthLevels, FindsTheDepthsWhoseFractionsWereCutOff) {
   for (double step = 150.0; step < 380.0; step += 1.0) {
     const double mm = kK / (step + 0.85);
     EXPECT_NEAR(levels.mm(static_cast<std::uint16_t>(mm)), mm, 0.05);
+  }
+}
+
+TEST(DepthLevels, FindsTheStepsOfARealKinect) {
+  const auto folder = std::filesystem::path(MORGAGNI_DATA_DIR) / "rgbd_tsdf_demo" / "frames";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no data folder at " << folder;
+  for (const int number : {150, 174}) {
+    const auto depth = read_png_gray16(folder / fmt::format("frame-{:06}.depth.png", number));
+    ASSERT_TRUE(depth) << depth.error().message;
+    DepthLevels levels;
+    levels.learn(depth->view());
+    ASSERT_TRUE(levels.has_steps()) << number;
+    // Of all frames the same: they come from the sensor, not from what it looks at.
+    EXPECT_NEAR(levels.mm(1204), 1204.2, 0.05);
+    EXPECT_NEAR(levels.mm(1243), 1243.2, 0.05);
   }
 }
 

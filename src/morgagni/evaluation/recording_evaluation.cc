@@ -3,11 +3,13 @@
 #include "morgagni/evaluation/recording_evaluation.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <ctime>
 #include <limits>
 #include <numbers>
+#include <set>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -16,14 +18,14 @@
 #include "morgagni/core/statistics.h"
 #include "morgagni/geometry/rigid.h"
 #include "morgagni/registration/visible_place.h"
-#include "morgagni/tracking/skin_evidence.h"
 
 namespace mor {
 namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-/// A reading this near is on the skin, where the body's pose is the true one.
-constexpr double kOnSkinMm = 8.0;
+/// Shares of bare skin that the table tells apart; a recording's clutter most often leaves more
+/// than the last.
+constexpr std::array<double, 4> kBareShares = {0.0, 0.4, 0.6, 1.01};
 
 double ms_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
@@ -75,7 +77,6 @@ class Evaluation {
         skin_(skin),
         targets_(targets),
         options_(options),
-        samples_(skin),
         random_(options.seed) {}
 
   [[nodiscard]] Result<void> add_frame(const RgbdFrame& frame, const Eigen::Isometry3d& truth);
@@ -95,13 +96,12 @@ class Evaluation {
   const TriangleMesh& skin_;
   const std::vector<Target>& targets_;
   const EvaluationOptions& options_;
-  SkinSamples samples_;
   std::mt19937_64 random_;
   std::optional<Eigen::Isometry3d> last_pose_;
   int num_frames_ = 0;
   std::vector<EvaluationRun> runs_;
   std::vector<double> depth_ms_;
-  std::vector<double> body_seen_;
+  std::vector<EvaluationFrame> frames_;
 };
 
 Result<PointCloud> Evaluation::surface_at(const RgbdFrame& frame,
@@ -142,9 +142,9 @@ Result<RegistrationResult> Evaluation::run(const RgbdFrame& frame,
 
 Result<void> Evaluation::add_frame(const RgbdFrame& frame, const Eigen::Isometry3d& truth) {
   ++num_frames_;
-  body_seen_.push_back(
-      samples_.compare(frame.depth_mm.view(), frame.calibration->depth, truth, kOnSkinMm)
-          .seen_fraction());
+  frames_.push_back(
+      {frame.frame_id,
+       frame_difficulty(skin_, frame.depth_mm.view(), frame.calibration->depth, truth, targets_)});
   if (options_.num_starts == 0) {
     MOR_TRY(const auto result,
             run(frame, last_pose_.value_or(truth), StartQuality::kTracked, truth));
@@ -166,6 +166,7 @@ EvaluationReport Evaluation::report() const {
   report.method = options_.registration.method;
   report.num_frames = num_frames_;
   report.num_starts = options_.num_starts;
+  report.success_mm = options_.success_mm;
   std::vector<double> tre_mm;
   std::vector<double> tre_success_mm;
   std::vector<double> registration_ms;
@@ -186,8 +187,7 @@ EvaluationReport Evaluation::report() const {
   report.registration_cpu_ms = summarize(registration_cpu_ms);
   report.depth_ms = summarize(depth_ms_);
   report.median_points = quantile(std::move(points), 0.5);
-  report.median_body_seen = quantile(body_seen_, 0.5);
-  report.least_body_seen = quantile(body_seen_, 0.0);
+  report.frames = frames_;
   report.runs = runs_;
   return report;
 }
@@ -273,6 +273,51 @@ Result<EvaluationReport> evaluate_recording(const TumRecording& recording,
   return report;
 }
 
+namespace {
+
+/// How often the runs succeed where clutter leaves so much of the body bare, beside what its
+/// readings allow.
+std::string rows_by_bare_share(const EvaluationReport& report) {
+  std::string rows = fmt::format("\n{:<22}{:>8}{:>8}{:>11}{:>12}{:>14}\n",
+                                 "body bare",
+                                 "frames",
+                                 "runs",
+                                 "success",
+                                 "TRE, mm",
+                                 "least, mm");
+  for (std::size_t i = 0; i + 1 < kBareShares.size(); ++i) {
+    std::set<std::size_t> frames;
+    std::vector<double> least_mm;
+    for (const auto& [frame, difficulty] : report.frames) {
+      if (difficulty.bare_share < kBareShares[i] || difficulty.bare_share >= kBareShares[i + 1]) {
+        continue;
+      }
+      frames.insert(frame);
+      least_mm.push_back(difficulty.least_tre_mm);
+    }
+    std::vector<double> tre_mm;
+    for (const auto& run : report.runs) {
+      if (frames.contains(run.frame)) tre_mm.push_back(run.tre_mm);
+    }
+    if (tre_mm.empty()) continue;
+    const auto num_runs = static_cast<double>(tre_mm.size());
+    const auto num_failed = static_cast<double>(
+        std::erase_if(tre_mm, [&](double mm) { return !(mm < report.success_mm); }));
+    rows += fmt::format("{:<22}{:>8}{:>8.0f}{:>9.1f} %{:>12.3f}{:>14.3f}\n",
+                        fmt::format("{:.0f} to {:.0f} %",
+                                    100.0 * kBareShares[i],
+                                    100.0 * std::min(1.0, kBareShares[i + 1])),
+                        frames.size(),
+                        num_runs,
+                        100.0 * (1.0 - num_failed / num_runs),
+                        summarize(tre_mm).mean,
+                        quantile(least_mm, 0.5));
+  }
+  return rows;
+}
+
+}  // namespace
+
 std::string to_json(const EvaluationReport& report) {
   const auto all = [](const Summary& s) {
     return nlohmann::ordered_json{
@@ -281,7 +326,7 @@ std::string to_json(const EvaluationReport& report) {
   const auto times = [](const Summary& s) {
     return nlohmann::ordered_json{{"median", s.median}, {"p95", s.p95}};
   };
-  const nlohmann::ordered_json json = {
+  nlohmann::ordered_json json = {
       {"method", to_string(report.method)},
       {"frames", report.num_frames},
       {"starts", report.num_starts},
@@ -291,8 +336,17 @@ std::string to_json(const EvaluationReport& report) {
       {"registration_ms", times(report.registration_ms)},
       {"registration_cpu_ms", times(report.registration_cpu_ms)},
       {"points", report.median_points},
-      {"body_seen", {{"median", report.median_body_seen}, {"min", report.least_body_seen}}},
   };
+  // An infinity becomes null: JSON has none.
+  for (const auto& [frame, difficulty] : report.frames) {
+    json["difficulty"].push_back({{"frame", frame},
+                                  {"bare_share", difficulty.bare_share},
+                                  {"least_tre_mm", difficulty.least_tre_mm}});
+  }
+  for (const auto& run : report.runs) {
+    json["runs"].push_back(
+        {{"frame", run.frame}, {"tre_mm", run.tre_mm}, {"cpu_ms", run.registration_cpu_ms}});
+  }
   return json.dump(2) + "\n";
 }
 
@@ -327,11 +381,7 @@ std::string to_table(const EvaluationReport& report) {
   table += row("registration, ms", report.registration_ms);
   table += row("its processor time, ms", report.registration_cpu_ms);
   table += row("depth to surface, ms", report.depth_ms);
-  table += fmt::format(
-      "\nof the skin in view the camera shows {:.0f} % (median of the frames), {:.0f} % at least\n",
-      100.0 * report.median_body_seen,
-      100.0 * report.least_body_seen);
-  return table;
+  return table + rows_by_bare_share(report);
 }
 
 }  // namespace mor

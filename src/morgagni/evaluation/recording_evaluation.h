@@ -15,6 +15,7 @@
 #include "morgagni/core/progress.h"
 #include "morgagni/core/result.h"
 #include "morgagni/depth/body_surface.h"
+#include "morgagni/evaluation/frame_difficulty.h"
 #include "morgagni/evaluation/ground_truth.h"
 #include "morgagni/evaluation/summary.h"
 #include "morgagni/registration/fine_registration.h"
@@ -47,11 +48,18 @@ struct EvaluationRun {
   RegistrationStatus status = RegistrationStatus::kMaxIterations;
 };
 
+/// A frame that was registered.
+struct EvaluationFrame {
+  std::size_t frame = 0;
+  FrameDifficulty difficulty;
+};
+
 struct EvaluationReport {
   RegistrationMethod method = RegistrationMethod::kField;
   int num_frames = 0;  ///< With a truth, and so registered.
   int num_starts = 0;
   int num_frames_without_truth = 0;
+  double success_mm = 0.0;    ///< A run with a smaller TRE is a success.
   double success_rate = 0.0;  ///< Of the runs, 0..1.
   Summary tre_mm;             ///< Over all runs.
   Summary tre_success_mm;     ///< Over the successes.
@@ -59,10 +67,7 @@ struct EvaluationReport {
   Summary registration_cpu_ms;
   Summary depth_ms;  ///< Depth image to body surface, a run.
   double median_points = 0.0;
-  /// Of the skin that faces the camera and lies in its picture, the share that is seen at the truth
-  /// (SkinEvidence::seen_fraction), 0..1: what clutter leaves of the body. Over the frames.
-  double median_body_seen = 0.0;
-  double least_body_seen = 0.0;
+  std::vector<EvaluationFrame> frames;
   std::vector<EvaluationRun> runs;
 };
 
@@ -95,10 +100,11 @@ struct EvaluationReport {
 
 /// {"method","frames","starts","success_rate","tre_mm":{mean,sd,median,p95,max},"tre_success_mm",
 /// "registration_ms":{median,p95},"registration_cpu_ms":{median,p95},"points",
-/// "body_seen":{median,min}}.
+/// "difficulty":[{frame,bare_share,least_tre_mm}],"runs":[{frame,tre_mm,cpu_ms}]}. An infinite
+/// bound is null.
 [[nodiscard]] std::string to_json(const EvaluationReport& report);
 
-/// The same as a table to read, with the depth stage's time.
+/// The same as a table to read, with the depth stage's time and the success by bare skin.
 [[nodiscard]] std::string to_table(const EvaluationReport& report);
 
 }  // namespace mor

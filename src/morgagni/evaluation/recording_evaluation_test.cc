@@ -153,9 +153,14 @@ TEST_F(EvaluateRecording, WritesTheJsonThatScriptsRead) {
   EXPECT_TRUE(json.at("registration_ms").at("p95").is_number());
   EXPECT_GT(json.at("registration_cpu_ms").at("median"), 0.0);
   EXPECT_GT(json.at("points"), 0.0);
-  // Nothing covers the body.
-  EXPECT_GT(json.at("body_seen").at("min"), 0.85);
-  EXPECT_LE(json.at("body_seen").at("median"), 1.0);
+  ASSERT_EQ(json.at("difficulty").size(), static_cast<std::size_t>(kNumFrames));
+  // Nothing covers the body but the thing in the corner.
+  EXPECT_GT(json.at("difficulty")[0].at("bare_share"), 0.85);
+  EXPECT_GT(json.at("difficulty")[0].at("least_tre_mm"), 0.0);
+  ASSERT_EQ(json.at("runs").size(), static_cast<std::size_t>(kNumFrames));
+  EXPECT_GT(json.at("runs")[0].at("cpu_ms"), 0.0);
+  EXPECT_LT(json.at("runs")[0].at("tre_mm"), 1.0);
+  EXPECT_THAT(to_table(*report), HasSubstr("60 to 100 %"));
   EXPECT_THAT(to_table(*report), HasSubstr("TRE, mm"));
 }
 

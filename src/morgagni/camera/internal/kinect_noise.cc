@@ -3,14 +3,15 @@
 #include "morgagni/camera/internal/kinect_noise.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <Eigen/Core>
 
 namespace mor::internal {
 namespace {
 
-constexpr double kRightAngleRad = std::numbers::pi / 2.0;
 /// Nguyen et al. measured up to about 80 degrees; beyond, readings go missing.
 constexpr double kDropFromRad = 70.0 * std::numbers::pi / 180.0;
 constexpr double kDropAllRad = 86.0 * std::numbers::pi / 180.0;
@@ -26,10 +27,6 @@ constexpr double kStepsTimesMm =
 /// Nearer than 170 mm there is nothing to see, and nothing casts a shadow.
 constexpr float kTooNearSteps = 2048.0F;
 
-double angle_share(double angle_rad) {
-  return angle_rad / (kRightAngleRad - angle_rad);
-}
-
 /// The measured noise holds that of the disparity's steps and of whole millimetres. Both come by
 /// themselves afterwards (an even step adds step^2 / 12), so they are taken out here.
 float axial_rest_sd_mm(double z_mm, double angle_rad) {
@@ -40,25 +37,6 @@ float axial_rest_sd_mm(double z_mm, double angle_rad) {
 }
 
 }  // namespace
-
-namespace kinect {
-
-double axial_sd_mm(double z_mm, double angle_rad) {
-  const double z_m = z_mm / 1000.0;
-  const double head_on_m = 0.0012 + 0.0019 * (z_m - 0.4) * (z_m - 0.4);
-  const double tilted_m = 0.0001 / std::sqrt(z_m) * angle_share(angle_rad) * angle_share(angle_rad);
-  return 1000.0 * (head_on_m + tilted_m);
-}
-
-double lateral_sd_px(double angle_rad) {
-  return 0.8 + 0.035 * angle_share(angle_rad);
-}
-
-double depth_step_mm(double z_mm) {
-  return z_mm * z_mm * kDisparityStepPx / (kInfraredFocalPx * kBaselineMm);
-}
-
-}  // namespace kinect
 
 KinectNoise::KinectNoise(double focal_px, std::uint64_t seed)
     : focal_px_(focal_px), seed_(seed), by_angle_(kNumAngles), depth_of_step_mm_(kNumSteps, 0) {
