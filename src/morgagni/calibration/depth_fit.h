@@ -32,24 +32,31 @@ struct DepthFitOptions {
       0.5;  ///< Share of the picture, in tiles, that must be seen at two distances.
 };
 
+/// Over what the depth was read.
+struct DepthSpan {
+  int num_distances = 0;
+  double coverage = 0.0;  ///< Share of the picture, in tiles, that was read at two distances.
+};
+
+/// @param readings  `true_mm` need be right roughly only.
+/// @errors kInvalidArgument: too few distances, or too little of the picture, for a correction;
+/// says
+///         what to add.
+[[nodiscard]] Result<DepthSpan> depth_span(const std::vector<DepthReading>& readings,
+                                           int width_px,
+                                           int height_px,
+                                           const DepthFitOptions& options = {});
+
+/// What was found of the depth's error.
 struct DepthFit {
   DepthCorrection correction;
   DepthForm form = DepthForm::kDisparity;
-  int num_readings = 0;
-  int num_distances = 0;
-  double coverage = 0.0;
-  double rms_before_mm = 0.0;  ///< Of views held out of the fit, readings less truth,
-  double rms_after_mm = 0.0;   ///< and corrected readings less truth.
+  DepthSpan span;
+  /// Of a view whose depth was held out of the fit, the median one: readings less truth,
+  double rms_before_mm = 0.0;
+  double rms_after_mm = 0.0;  ///< and corrected readings less truth.
   /// Whether the correction helps on views it has not seen; else the readings are as good without.
   [[nodiscard]] bool helps() const { return rms_after_mm < 0.9 * rms_before_mm; }
 };
-
-/// Fits a depth correction to readings of planes: least squares with Tukey's weights, over a grid
-/// that is held smooth where readings are few.
-/// @errors kInvalidArgument: too few distances, or too little of the picture; says what to add.
-[[nodiscard]] Result<DepthFit> fit_depth(const std::vector<DepthReading>& readings,
-                                         int width_px,
-                                         int height_px,
-                                         const DepthFitOptions& options = {});
 
 }  // namespace mor

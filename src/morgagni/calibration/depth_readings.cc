@@ -96,6 +96,7 @@ std::vector<DepthReading> DepthReader::read(const Image<float>& depth_mm,
       if (num_on_board == count) {
         on_board.push_back(reading);
       } else if (num_on_board == 0) {
+        reading.is_beside = true;
         around.push_back(reading);
       }
     }

@@ -18,7 +18,8 @@ struct DepthReading {
   int view = 0;
   Eigen::Vector2d px = Eigen::Vector2d::Zero();  ///< Of the block's middle.
   double seen_mm = 0.0;
-  double true_mm = 0.0;  ///< Of the same pixels' rays on the plane.
+  double true_mm = 0.0;    ///< Of the same pixels' rays on the plane.
+  bool is_beside = false;  ///< Of what the board lies on, not of the board.
 };
 
 /// Which part of a board's plane is read.

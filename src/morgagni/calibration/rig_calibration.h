@@ -11,7 +11,6 @@
 #include "morgagni/calibration/board_finder.h"
 #include "morgagni/calibration/depth_fit.h"
 #include "morgagni/calibration/lens_calibration.h"
-#include "morgagni/calibration/plane_geometry.h"
 #include "morgagni/camera/range_camera.h"
 #include "morgagni/core/result.h"
 
@@ -40,13 +39,23 @@ struct StereoQuality {
   int num_views = 0;
 };
 
+/// One number of a depth camera that was found without infrared pictures.
+struct DesignChange {
+  std::string name;        ///< "focal length, %", "shift x, mm".
+  double value = 0.0;      ///< Change from the design.
+  double sd = 0.0;         ///< What is left uncertain.
+  double sd_before = 0.0;  ///< As uncertain as the design leaves it.
+  /// The views tell it better than the design by half. Else it stays near the design's value.
+  [[nodiscard]] bool is_determined() const { return sd < 0.5 * sd_before; }
+};
+
 /// What became of a set of views.
 struct RigCalibration {
   RgbdCalibration calibration;
   LensCalibration color;
   std::optional<LensCalibration> infrared;  ///< Of the depth camera, with infrared pictures;
   std::optional<StereoQuality> stereo;      ///< then this too;
-  std::optional<PlaneGeometry> planes;      ///< without them this.
+  std::vector<DesignChange> changes;        ///< without them this.
   std::optional<DepthFit> depth;
   std::vector<std::string> remarks;  ///< What was not done, and why, in whole sentences.
 
@@ -54,7 +63,8 @@ struct RigCalibration {
   [[nodiscard]] std::vector<std::pair<std::string, std::string>> figures() const;
 };
 
-/// Calibrates both cameras of a device, how they lie to each other, and the depth's error.
+/// Calibrates both cameras of a device, how they lie to each other, and the depth's error: each
+/// lens alone first, to tell views that do not do, then all together (calibrate_jointly()).
 /// @param by_design  Picture sizes, and what stands where the views say nothing.
 /// @errors kInvalidArgument: the views do not do; says why and what to add.
 /// @cost About 3 s for 25 views.
