@@ -115,13 +115,14 @@ void prepare(const Arguments& arguments) {
 void check(Arguments& arguments) {
   value_or_exit(arguments.options.check());
   value_or_exit(check_case_folder(arguments.folder));
-  const StopSignals signals;
+  StopSignals signals;
   const auto started = std::chrono::steady_clock::now();
-  const auto volume = std::make_shared<const Volume>(
-      value_or_exit(import_volume(arguments.ct, arguments.options.ct, console_progress())));
+  const auto volume = std::make_shared<const Volume>(value_or_exit(signals.at_once(
+      [&] { return import_volume(arguments.ct, arguments.options.ct, console_progress()); })));
   const std::chrono::duration<double> reading = std::chrono::steady_clock::now() - started;
   const auto use = [&](const PrepareOptions& options, const Progress& progress) {
-    return prepare_case(*volume, arguments.ct, arguments.folder, options, progress);
+    return signals.at_once(
+        [&] { return prepare_case(*volume, arguments.ct, arguments.folder, options, progress); });
   };
   auto& page = arguments.page;
   page.title = arguments.folder.string();

@@ -17,6 +17,14 @@ sigset_t stop_signals() {
   return signals;
 }
 
+/// As the system does it by itself: the shell sees that it was the signal.
+void end_by(int signal) {
+  std::signal(signal, SIG_DFL);
+  const auto signals = stop_signals();
+  pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+  std::raise(signal);
+}
+
 }  // namespace
 
 StopSignals::StopSignals() {
@@ -26,7 +34,9 @@ StopSignals::StopSignals() {
     const auto awaited = stop_signals();
     int signal = 0;
     sigwait(&awaited, &signal);
+    signal_ = signal;
     stop_.request_stop();
+    if (num_mortal_ > 0) end_by(signal);
   });
 }
 
@@ -34,6 +44,11 @@ StopSignals::~StopSignals() {
   // Lets the waiter go; where it is gone already, the signal stays pending with a thread that is
   // no more.
   if (!stop_.stop_requested()) pthread_kill(waiter_.native_handle(), SIGTERM);
+}
+
+StopSignals::Mortal::Mortal(StopSignals& signals) : signals_(signals) {
+  ++signals.num_mortal_;
+  if (const int signal = signals.signal_) end_by(signal);
 }
 
 void StopSignals::wait() const {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <stop_token>
 #include <thread>
 
@@ -18,8 +19,28 @@ class StopSignals {
   /// Returns once a signal has come.
   void wait() const;
 
+  /// Does work that looks at no token and leaves nothing behind when it is killed: meanwhile a
+  /// signal ends the process by itself, as if nobody waited for it.
+  template <class Work>
+  [[nodiscard]] auto at_once(const Work& work) {
+    const Mortal mortal(*this);
+    return work();
+  }
+
  private:
+  struct Mortal {
+    explicit Mortal(StopSignals& signals);
+    ~Mortal() { --signals_.num_mortal_; }
+    Mortal(const Mortal&) = delete;
+    Mortal& operator=(const Mortal&) = delete;
+
+   private:
+    StopSignals& signals_;
+  };
+
   std::stop_source stop_;
+  std::atomic<int> num_mortal_{0};
+  std::atomic<int> signal_{0};  ///< The one that came.
   std::jthread waiter_;
 };
 

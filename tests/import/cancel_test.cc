@@ -3,20 +3,23 @@
 // `morgagni prepare` ended at many moments, by Ctrl-C, SIGTERM and kill -9: nothing is left beside
 // the case, and the case is the old one or the new one, whole.
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <regex>
 #include <thread>
+#include <vector>
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "morgagni/stream/testing/http_client.h"
 
 namespace {
 
@@ -57,17 +60,21 @@ class Cancelled : public testing::Test {
 
   [[nodiscard]] fs::path case_folder() const { return folder_ / "place" / "case"; }
 
-  [[nodiscard]] pid_t start() const {
-    std::array<std::string, 5> words = {std::string(MORGAGNI_BIN_DIR) + "/morgagni",
-                                        "prepare",
-                                        (folder_ / "ball.mha").string(),
-                                        "--case",
-                                        case_folder().string()};
-    std::array<char*, 6> arguments{};
+  /// @param output  Where its words go.
+  [[nodiscard]] pid_t start(const std::vector<std::string>& more = {},
+                            const fs::path& output = "/dev/null") const {
+    std::vector<std::string> words = {std::string(MORGAGNI_BIN_DIR) + "/morgagni",
+                                      "prepare",
+                                      (folder_ / "ball.mha").string(),
+                                      "--case",
+                                      case_folder().string()};
+    words.insert(words.end(), more.begin(), more.end());
+    std::vector<char*> arguments(words.size() + 1);
     std::transform(words.begin(), words.end(), arguments.begin(), [](auto& w) { return w.data(); });
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_addopen(
+        &actions, 1, output.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
     pid_t child = -1;
     EXPECT_EQ(::posix_spawn(&child, words[0].c_str(), &actions, nullptr, arguments.data(), environ),
@@ -167,6 +174,27 @@ TEST_F(Cancelled, WhileItWritesLeavesNothingBehind) {
       if (HasFailure()) return;
     }
   }
+}
+
+/// The page of `--check`, once "Use it" is pressed.
+TEST_F(Cancelled, WhileThePageMakesTheCaseEndsAtOnce) {
+  const fs::path output = folder_ / "output";
+  std::ofstream(folder_ / "index.html") << "no page";
+  const pid_t child = start({"--check", "--web", folder_.string()}, output);
+  std::smatch address;
+  std::string words;
+  for (int i = 0; i < 600 && !std::regex_search(words, address, std::regex(":([0-9]+)/")); ++i) {
+    std::this_thread::sleep_for(milliseconds(50));
+    std::ifstream file(output);
+    words.assign(std::istreambuf_iterator<char>(file), {});
+  }
+  ASSERT_FALSE(address.empty()) << words;
+  const auto port = static_cast<std::uint16_t>(std::stoi(address[1]));
+  ASSERT_EQ(mor::testing::request(port, "POST", "/api/check/use").status, 200);
+  std::this_thread::sleep_for(whole_run_ / 10);
+  ::kill(child, SIGINT);
+  EXPECT_TRUE(WIFSIGNALED(end_of(child)));
+  expect_nothing_left();
 }
 
 TEST_F(Cancelled, BeforeThereIsACaseLeavesNone) {

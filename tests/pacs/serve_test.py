@@ -42,9 +42,9 @@ class Server:
         for line in self.process.stderr:
             self.log += line
 
-    def wait_for(self, text, seconds=60):
+    def wait_for(self, text, seconds=60, times=1):
         deadline = time.time() + seconds
-        while text not in self.log:
+        while self.log.count(text) < times:
             if time.time() > deadline:
                 raise AssertionError(f"no \"{text}\" in:\n{self.log}")
             time.sleep(0.05)
@@ -119,9 +119,7 @@ class Serve(unittest.TestCase):
         self.assertEqual(len(self.received(self.body)), 59)
         self.assertEqual(send(server.port, late).returncode, 0)
         server.wait_for("1 new objects, preparing")
-        deadline = time.time() + 60
-        while self.check_case() == first and time.time() < deadline:
-            time.sleep(0.1)
+        server.wait_for("skin of 20000 vertices", times=2)
         self.assertNotEqual(self.check_case(), first)
         self.assertEqual(self.received(self.body), sorted(uid + ".dcm" for uid in self.body.files))
         self.assertEqual(server.stop(), 0)
@@ -139,6 +137,22 @@ class Serve(unittest.TestCase):
         while self.received(self.body) and time.time() < deadline:
             time.sleep(0.05)
         self.assertEqual(self.received(self.body), [])
+        self.assertEqual(server.stop(), 0)
+
+    def test_ends_at_once_while_it_makes_a_case_and_makes_it_later(self):
+        server = self.serve()
+        self.assertEqual(send(server.port, self.study).returncode, 0)
+        server.wait_for("60 new objects, preparing")
+        time.sleep(0.3)
+        self.assertEqual(server.stop(signal.SIGINT), -signal.SIGINT)
+        self.assertEqual(self.case_folders(), [])
+        deadline = time.time() + 20
+        while [name for name in os.listdir(self.cases) if ".part-" in name] and time.time() < deadline:
+            time.sleep(0.05)
+        self.assertEqual(os.listdir(self.cases), ["received"])
+        server = self.serve()
+        server.wait_for("skin of 20000 vertices")
+        self.check_case()
         self.assertEqual(server.stop(), 0)
 
     def test_knows_who_may_send(self):

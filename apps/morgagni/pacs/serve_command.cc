@@ -50,8 +50,9 @@ class CaseMaker {
     changed_.notify_all();
   }
 
-  /// Until `stop`.
-  void run(const std::stop_token& stop) {
+  /// Until a signal.
+  void run(StopSignals& signals) {
+    const auto stop = signals.token();
     std::unique_lock lock(mutex_);
     while (!stop.stop_requested()) {
       const auto due = gatherer_.next_due();
@@ -64,7 +65,7 @@ class CaseMaker {
       lock.unlock();
       for (const auto& series : quiet) {
         if (stop.stop_requested()) return;
-        make_case(series);
+        make_case(series, signals);
         lock.lock();
         // Unless more of it came meanwhile.
         if (!gatherer_.has(series.last.study_uid, series.last.series_uid))
@@ -76,7 +77,7 @@ class CaseMaker {
   }
 
  private:
-  void make_case(const GatheredSeries& series) const {
+  void make_case(const GatheredSeries& series, StopSignals& signals) const {
     const auto& words = series.last;
     const auto name = fmt::format("series {} of patient {} (\"{}\", {})",
                                   terminal_text(words.series_number),
@@ -97,7 +98,9 @@ class CaseMaker {
               series.num_objects);
     const auto files = files_in(series.folder);
     const auto silent = [](std::string_view /*stage*/, double /*fraction*/) {};
-    const auto summary = prepare_case(series.folder, folder, PrepareOptions{}, silent);
+    // Stopped meanwhile, the series stays in the journal, and the next run makes the case.
+    const auto summary = signals.at_once(
+        [&] { return prepare_case(series.folder, folder, PrepareOptions{}, silent); });
     if (!summary) {
       log::error("{}: no case: {}; the objects stay in {}",
                  name,
@@ -140,7 +143,7 @@ void serve(Arguments& arguments) {
   options.idle_timeout = std::chrono::seconds(arguments.idle_timeout_s);
   options.folder = arguments.cases / "received";
   options.use_tls = !options.tls.certificate.empty();
-  const StopSignals signals;
+  StopSignals signals;
   CaseMaker maker(arguments);
   const auto receiver = value_or_exit(StorageReceiver::start(
       options, [&maker](const ReceivedObject& object) { maker.add(object); }));
@@ -153,7 +156,7 @@ void serve(Arguments& arguments) {
   std::fflush(stdout);
   if (!is_loopback(options.listen_address) && options.accepted_callers.empty())
     log::warn("anybody on the network may send: --accept AET and --ca say who may");
-  maker.run(signals.token());
+  maker.run(signals);
   log::info("stopping");
 }
 
