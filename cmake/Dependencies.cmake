@@ -1,4 +1,4 @@
-# Everything comes from Debian 12 (packages.txt). ITK is found in apps/morgagni-import alone: the
+# Everything comes from Debian 12 (packages.txt, packages-test.txt). ITK is found in apps/morgagni-import alone: the
 # import process is the only one that links it.
 find_package(Eigen3 3.4 REQUIRED)
 find_package(TBB REQUIRED)

@@ -8,10 +8,10 @@ as_root() {
   if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
 }
 
-# The packages of packages.txt that are not installed. Node.js may come from elsewhere than Debian.
+# The packages of these lists that are not installed. Node.js may come from elsewhere than Debian.
 missing_packages() {
   local package
-  sed -e 's/#.*//' -e '/^\s*$/d' packages.txt | while read -r package; do
+  sed -e 's/#.*//' -e '/^\s*$/d' "$@" | while read -r package; do
     case $package in
       nodejs) command -v node >/dev/null && continue ;;
       npm) command -v npm >/dev/null && continue ;;
@@ -22,10 +22,10 @@ missing_packages() {
 
 install_packages() {
   local missing
-  missing=$(missing_packages)
+  missing=$(missing_packages "$@")
   [ -n "$missing" ] || return 0
   say "Installing from Debian:" $missing
-  # Orthanc is for tests. Debian starts it as a service that listens on all networks: not on somebody's computer.
+  # Debian starts Orthanc as a service that listens on all networks: not on somebody's computer.
   if grep -qx orthanc <<<"$missing" && [ ! -e /etc/systemd/system/orthanc.service ]; then
     as_root mkdir -p /etc/systemd/system && as_root ln -s /dev/null /etc/systemd/system/orthanc.service
   fi
@@ -33,9 +33,10 @@ install_packages() {
   as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing
 }
 
+# Arguments go to CMake.
 build_program() {
   say "Building the program"
-  cmake --preset release >"$BUILD.configure.log" 2>&1 || { cat "$BUILD.configure.log"; return 1; }
+  cmake --preset release "$@" >"$BUILD.configure.log" 2>&1 || { cat "$BUILD.configure.log"; return 1; }
   cmake --build --preset release
 }
 
@@ -52,9 +53,18 @@ build_page() {
   fi
 }
 
+# What ./run needs. A build that has the tests keeps them.
 set_up() {
-  install_packages
+  install_packages packages.txt
   mkdir -p build
-  build_program
+  if [ -e "$BUILD/CMakeCache.txt" ]; then build_program; else build_program -DMORGAGNI_BUILD_{TESTS,BENCHMARKS}=OFF; fi
+  build_page
+}
+
+# The same with tests and benchmarks.
+set_up_tests() {
+  install_packages packages.txt packages-test.txt
+  mkdir -p build
+  build_program -DMORGAGNI_BUILD_{TESTS,BENCHMARKS}=ON
   build_page
 }
