@@ -11,6 +11,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/ct/internal/components.h"
+#include "morgagni/ct/internal/foreign_matter.h"
 #include "morgagni/ct/internal/thin_sheet.h"
 
 namespace mor::internal {
@@ -253,6 +254,7 @@ Result<BodyMask> body_mask(const Volume& volume,
                           " HU: widen the thresholds, or check that the file is a CT");
   }
   MOR_CHECK(check_air(mask, volume, options.threshold_hu));
+  mask.subtract(foreign_matter(volume, mask));
   report("threshold", 1.0);
 
   report("closing", 0.0);
