@@ -80,6 +80,38 @@ TEST(ExtractSkin, DropsBlanketTubeAndCoverButNoEar) {
   EXPECT_EQ(skin->preview.cut[0].place, "in front of");
 }
 
+/// A trunk of flesh in which a layer of light stuff begins `skin_mm` beneath the surface on one
+/// side.
+Volume trunk_with_light_layer(double skin_mm) {
+  auto volume = make_volume(100, 1.0, [](const Eigen::Vector3d& place) {
+    return 40.0 - std::hypot(place.x(), place.y());
+  });
+  for (int z = 0; z < volume.size[2]; ++z) {
+    for (int y = 0; y < volume.size[1]; ++y) {
+      for (int x = 0; x < volume.size[0]; ++x) {
+        const Eigen::Vector3d place = volume.ct_from_grid * Eigen::Vector3d(x, y, z);
+        const double depth_mm = 40.0 - std::hypot(place.x(), place.y());
+        const int noise_hu = (x * 31 + y * 17 + z * 7) % 80 - 40;
+        if (depth_mm > skin_mm && depth_mm < 15.0 && place.x() > 0.0)
+          volume.hu[volume.index(x, y, z)] = static_cast<std::int16_t>(-270 + noise_hu);
+      }
+    }
+  }
+  return volume;
+}
+
+/// Gas in the fat of a dead body has skin over it; a folded blanket has not.
+TEST(ExtractSkin, TellsGasInTheFatFromABlanket) {
+  const auto reach_mm = [](const Volume& volume) {
+    float farthest = 0.0F;
+    for (const auto& vertex : extract_skin(volume, kQuick, {}).value().full.vertices)
+      if (std::abs(vertex.y()) < 10.0F) farthest = std::max(farthest, vertex.x());
+    return farthest;
+  };
+  EXPECT_NEAR(reach_mm(trunk_with_light_layer(2.5)), 39.83, 0.3);
+  EXPECT_NEAR(reach_mm(trunk_with_light_layer(-1.0)), 25.0, 1.5);
+}
+
 TEST(PreviewBody, ShowsWhatIsCutInRed) {
   const auto body = preview_body(trunk_on_table(), kQuick, {});
   ASSERT_TRUE(body) << body.error().message;

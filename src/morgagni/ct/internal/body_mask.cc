@@ -50,6 +50,18 @@ BitMask grown_far(BitMask mask, double distance_mm, const Eigen::Vector3d& spaci
   return mask;
 }
 
+/// Bubbles and noise, closed in on all sides: no opening is to break on them.
+BitMask small_pockets(const BitMask& mask, const Eigen::Vector3d& spacing_mm) {
+  constexpr double kMostMm3 = 100.0;
+  BitMask air = mask;
+  air.invert();
+  const Components pockets(air);
+  const auto most_voxels = static_cast<std::size_t>(kMostMm3 / spacing_mm.prod());
+  return pockets.select([&](std::size_t i) {
+    return !pockets.parts()[i].at_side && pockets.parts()[i].num_voxels <= most_voxels;
+  });
+}
+
 /// Air that does not reach the sides of the volume and whose walls are the body's (lungs and bowel,
 /// but not the hollow of a table top), with the gaps in its walls.
 /// @param closed_mask  Without gaps up to `closing_mm`.
@@ -263,6 +275,7 @@ Result<BodyMask> body_mask(const Volume& volume,
 
   report("body", 0.0);
   // What leans on the body is cut off before gaps are closed: closing would weld it on.
+  mask |= small_pockets(mask, volume.spacing_mm);
   mask |= solid_inside(whole, options.closing_mm, volume.spacing_mm);
   report("body", 0.5);
   Torn torn = without_what_leans_on(mask, volume.spacing_mm);

@@ -238,11 +238,26 @@ class Search {
     BitMask crust = dilated(piece, side_mm, blocks_.spacing_mm());
     BitMask edge = dilated(piece, (is_dense ? 1.0 : 2.0) * side_mm, blocks_.spacing_mm());
     crust &= dilated(outside_, 2.0 * side_mm, blocks_.spacing_mm());
+    if (!is_dense && is_skin(crust)) return;
     edge.subtract(inner);
     const auto towards = [&](double share) { return kFleshHu + share * (mean_hu - kFleshHu); };
     take(inner, towards(kInnerShare), is_dense);
     take(edge, is_dense ? towards(0.5) : std::min(towards(0.5), kLightestFatHu), is_dense);
     blocks_.for_each_voxel(crust, [&](int x, int y, int z) { foreign_.set_run(y, z, x, x + 1); });
+  }
+
+  /// Gas in the fat is light, too, but has skin over it.
+  [[nodiscard]] bool is_skin(const BitMask& crust) const {
+    constexpr double kLeastFleshHu = -60.0;
+    constexpr double kLeastShare = 0.3;
+    double num_voxels = 0.0;
+    double num_flesh = 0.0;
+    blocks_.for_each_voxel(crust, [&](int x, int y, int z) {
+      const double hu = volume_.hu[volume_.index(x, y, z)];
+      ++num_voxels;
+      if (hu > kLeastFleshHu) ++num_flesh;
+    });
+    return num_flesh > kLeastShare * num_voxels;
   }
 
   /// Of the blocks in `mask` the voxels beyond a limit.
