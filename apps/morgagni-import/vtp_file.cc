@@ -53,7 +53,7 @@ struct Document {
   std::string refusal;          ///< Why reading ended early.
   std::string section;
   int depth = 0;
-  bool in_array = false;
+  int array_depth = 0;  ///< Of the array whose numbers come; 0: none.
   XML_Parser parser = nullptr;
 
   void refuse(const std::string& why) {
@@ -85,7 +85,7 @@ void on_start(void* data, const XML_Char* raw_name, const XML_Char** raw_attribu
     auto& arrays = document.pieces.back().arrays;
     if (arrays.size() == kMostArrays) return document.refuse("has too many arrays");
     arrays.push_back({document.section, attributes, {}});
-    document.in_array = true;
+    document.array_depth = document.depth;
   } else if (name == "AppendedData") {
     document.appended_encoding = attributes["encoding"];
     document.appended_at = static_cast<std::size_t>(XML_GetCurrentByteIndex(document.parser) +
@@ -97,15 +97,16 @@ void on_start(void* data, const XML_Char* raw_name, const XML_Char** raw_attribu
 
 void on_end(void* data, const XML_Char* raw_name) {
   auto& document = *static_cast<Document*>(data);
+  if (document.depth == document.array_depth) document.array_depth = 0;
   --document.depth;
   const std::string name = raw_name;
-  if (name == "DataArray") document.in_array = false;
   if (name == document.section) document.section.clear();
 }
 
 void on_text(void* data, const XML_Char* text, int num_bytes) {
   auto& document = *static_cast<Document*>(data);
-  if (document.in_array)
+  // VTK writes keys with values of their own into an array's element: they are none of its numbers.
+  if (document.array_depth > 0 && document.depth == document.array_depth)
     document.pieces.back().arrays.back().text.append(text, static_cast<std::size_t>(num_bytes));
 }
 

@@ -54,6 +54,20 @@ std::string with(std::string text, const std::string& what, const std::string& i
   return text.replace(at, what.size(), instead);
 }
 
+/// ParaView says the range of a vector's lengths so, behind the numbers.
+TEST_F(Vtp, TakesNoKeyOfAnArrayForItsNumbers) {
+  for (const char* format : {"ascii", "binary"}) {
+    std::string text = box_vtp_file({.format = format});
+    text.insert(text.find("</DataArray>"),
+                "<InformationKey name=\"L2_NORM_RANGE\" location=\"vtkDataArray\" length=\"2\">"
+                "<Value index=\"0\">1</Value><Value index=\"1\">7</Value></InformationKey>\n");
+    const auto surface = import_structure_mesh(write("box.vtp", text), {}, {});
+    ASSERT_TRUE(surface) << surface.error().message;
+    EXPECT_EQ(surface->mesh.vertices.size(), 8U);
+    EXPECT_NEAR(enclosed_volume_mm3(surface->mesh), 192.0, 1e-3);
+  }
+}
+
 TEST_F(Vtp, SaysWhatIsWrong) {
   const std::string plain = box_vtp_file({});
   const std::string raw = box_vtp_file({"appended", "raw"});
