@@ -3,6 +3,7 @@
 #include "morgagni/registration/internal/field_search.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -22,18 +23,32 @@ constexpr double kClearAbsent = 0.25;
 /// Beyond these it is most likely wrong.
 constexpr double kPoorPrecision = 0.4;
 constexpr double kPoorFloating = 0.1;
+/// With this share of all points' weight on the skin a poor pose is more likely that of a sensor
+/// with a systematic error than a wrong one: no more than the first round is spent on it.
+constexpr double kSupport = 0.15;
 
-/// Places around the start that are looked at, as far off as a rough start may be; so many of them
-/// are tried while the best pose is in doubt, and so many while it is poor.
-constexpr int kNumPlaces = 64;
+/// Places around the start that are looked at, as far off as a rough start may be, and how many
+/// tries are spent from the best of them while the best pose is poor.
+struct Round {
+  int num_places;
+  int num_tries;
+};
+constexpr std::array<Round, 2> kRounds = {{{64, 24}, {192, 60}}};
+/// One try in so many is a plain approach, and one in so many starts near the best pose so far: low
+/// approaches from near by find skin among clutter, plain ones a body that is far off.
+constexpr int kPlainTry = 6;
+constexpr int kNearTry = 3;
+/// Tries while the best pose is in doubt, though not poor.
+constexpr int kNumTries = 12;
 constexpr double kPlaceShiftMm = 30.0;
 constexpr double kPlaceTurnRad = 20.0 * std::numbers::pi / 180.0;
-constexpr int kNumTries = 10;
-constexpr int kNumTriesIfPoor = 20;
-/// One try in so many is a plain approach, the others are low ones.
-constexpr int kPlainTry = 3;
+/// Places around the best pose, for one that has slid along the body or lies on a cloth.
+constexpr double kNearShiftMm = 15.0;
+constexpr double kNearTurnRad = 10.0 * std::numbers::pi / 180.0;
 constexpr Stage kFirstLook = {{12.0F, 40.0F, 0.5F}, false, PointShare::kFew};
 constexpr float kAboutOnSkinMm = 20.0F;
+/// An approached pose with less than this share of the best score is not worth refining.
+constexpr double kHopeless = 0.7;
 /// Poses that move the points by less against each other are one.
 constexpr double kSameMm = 4.0;
 
@@ -75,6 +90,10 @@ bool FieldSearch::Candidate::is_poor() const {
   return fit.share_of_near() < kPoorPrecision || view.floating_fraction() > kPoorFloating;
 }
 
+bool FieldSearch::Candidate::has_support() const {
+  return fit.pair_fraction >= kSupport && view.floating_fraction() <= kPoorFloating;
+}
+
 FieldSearch::FieldSearch(FieldAlignment& alignment,
                          const SkinProbe& probe,
                          const PointCloud& moving,
@@ -91,28 +110,46 @@ bool FieldSearch::run() {
 }
 
 void FieldSearch::try_around(const Eigen::Isometry3d& start) {
-  const auto places = places_around(start);
-  // Either approach takes the places in their order.
-  std::size_t next_plain = 0;
-  std::size_t next_low = 0;
-  for (int i = 1; is_in_doubt(); ++i) {
-    if (i > (best_ && !best_->is_poor() ? kNumTries : kNumTriesIfPoor)) return;
-    if (i % kPlainTry == 0) {
-      try_from(places[next_plain++], kApproach);
-    } else {
-      try_from(places[next_low++], kLowApproach);
+  int first_place = 1;
+  int num_near = 0;
+  for (const Round& round : kRounds) {
+    if (first_place > 1 && best_ && best_->has_support()) return;
+    const auto places = places_around(start, first_place, round.num_places);
+    first_place += round.num_places;
+    // Either approach takes the places in their order.
+    std::size_t next_plain = 0;
+    std::size_t next_low = 0;
+    for (int i = 0; i < round.num_tries; ++i) {
+      if (!is_in_doubt() || (i >= kNumTries && best_ && !best_->is_poor())) return;
+      if (i % kPlainTry == 1) {
+        try_from(places[next_plain++], kApproach);
+      } else if (i % kNearTry == 2 && best_) {
+        try_from(place_near(best_->pose, ++num_near), kLowApproach);
+      } else {
+        try_from(places[next_low++], kLowApproach);
+      }
     }
   }
 }
 
-std::vector<Eigen::Isometry3d> FieldSearch::places_around(const Eigen::Isometry3d& start) {
+Eigen::Isometry3d FieldSearch::place_near(const Eigen::Isometry3d& pose, int number) const {
+  const Vector6d place = spread_evenly(number);
+  return moved(pose,
+               kNearTurnRad * place.head<3>(),
+               probe_.facing_center(pose),
+               kNearShiftMm * place.tail<3>());
+}
+
+std::vector<Eigen::Isometry3d> FieldSearch::places_around(const Eigen::Isometry3d& start,
+                                                          int first,
+                                                          int count) {
   alignment_.set_pose(start);
   // A start may be turned about the body or about all that was cut out of the picture.
   const Eigen::Vector3d skin_mm = probe_.facing_center(start);
   const Eigen::Vector3d points_mm = alignment_.pivot();
   std::vector<Eigen::Isometry3d> places;
   std::vector<double> scores;
-  for (int i = 1; i <= kNumPlaces; ++i) {
+  for (int i = first; i < first + count; ++i) {
     const Vector6d place = spread_evenly(i);
     places.push_back(moved(start,
                            kPlaceTurnRad * place.head<3>(),
@@ -135,14 +172,20 @@ std::vector<Eigen::Isometry3d> FieldSearch::places_around(const Eigen::Isometry3
 void FieldSearch::try_from(const Eigen::Isometry3d& pose, Stages approach) {
   alignment_.set_pose(pose);
   if (!alignment_.run_all(approach.first(kHalfway), max_iterations_) || !is_new(halfway_) ||
-      !alignment_.run_all(approach.subspan(kHalfway), max_iterations_) || !is_new(approached_) ||
-      !alignment_.run_all(kRefinement, max_iterations_)) {
+      !alignment_.run_all(approach.subspan(kHalfway), max_iterations_) || !is_new(approached_)) {
     return;
   }
-  const Candidate found{alignment_.pose(),
-                        alignment_.fit(kCloseLook),
-                        probe_.look(map_, alignment_.pose(), kOnSkinMm)};
+  // Refinement takes most of a try's time and makes no poor pose a good one.
+  if (best_ && candidate().score() < kHopeless * best_->score()) return;
+  if (!alignment_.run_all(kRefinement, max_iterations_)) return;
+  const Candidate found = candidate();
   if (!best_ || found.score() > best_->score()) best_ = found;
+}
+
+FieldSearch::Candidate FieldSearch::candidate() {
+  return {alignment_.pose(),
+          alignment_.fit(kCloseLook),
+          probe_.look(map_, alignment_.pose(), kOnSkinMm)};
 }
 
 bool FieldSearch::is_new(std::vector<Eigen::Isometry3d>& known) const {
