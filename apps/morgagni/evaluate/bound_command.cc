@@ -54,11 +54,14 @@ void evaluate(const Arguments& arguments) {
   const auto calibration =
       arguments.fits ? fit_bound_calibration(runs) : default_bound_calibration();
   const auto lines = bound_coverage(runs, calibration);
-  fmt::print("calibration: correlated_readings {:.4g}, systematic_mm {:.4g}, floor_mm {:.4g}{}\n\n",
-             calibration.correlated_readings,
-             calibration.systematic_mm,
-             calibration.floor_mm,
-             arguments.fits ? " (fitted to this run)" : "");
+  fmt::print(
+      "calibration: correlated_readings {:.4g}, clutter_growth {:.4g}, systematic_mm {:.4g}, "
+      "floor_mm {:.4g}{}\n\n",
+      calibration.correlated_readings,
+      calibration.clutter_growth,
+      calibration.systematic_mm,
+      calibration.floor_mm,
+      arguments.fits ? " (fitted to this run)" : "");
   fmt::print("{}\n", to_markdown(lines));
   for (std::size_t i = 0; i < groups.size(); ++i) {
     fmt::print(
@@ -81,7 +84,7 @@ void add_evaluate_bound_command(CLI::App& evaluate_app) {
       "bound", "How often the error bound holds, over the simulated camera's frames");
   command->add_option("--case", arguments->folders, "Folders that `morgagni prepare` made")
       ->required();
-  command->add_option("--first-seed", options.first_seed, "Below 1000: what it was fitted on")
+  command->add_option("--first-seed", options.first_seed, "2000 to 2059: what it was fitted on")
       ->capture_default_str();
   command->add_option("--seeds", options.num_seeds, "A body and kind of scene")
       ->capture_default_str();
@@ -93,7 +96,7 @@ void add_evaluate_bound_command(CLI::App& evaluate_app) {
   command->footer(
       "Examples:\n"
       "  morgagni evaluate bound --case cases/head cases/torso --out bound\n"
-      "  morgagni evaluate bound --case cases/head cases/torso --first-seed 1 --seeds 20 --fit");
+      "  morgagni evaluate bound --case cases/head cases/torso --first-seed 2000 --seeds 60 --fit");
   command->callback([arguments] { evaluate(*arguments); });
 }
 

@@ -156,6 +156,7 @@ Unevenness unevenness(const BoundRuns& runs, const BoundCalibration& calibration
 BoundCalibration scaled(const BoundCalibration& calibration, double factor) {
   return {.correlated_readings = calibration.correlated_readings * factor * factor,
           .least_residual_scale = calibration.least_residual_scale,
+          .clutter_growth = calibration.clutter_growth,
           .systematic_mm = calibration.systematic_mm * factor,
           .floor_mm = calibration.floor_mm * factor};
 }
@@ -190,24 +191,30 @@ Result<BoundRuns> run_bound_study(const std::vector<BoundGroup>& groups,
 }
 
 BoundCalibration fit_bound_calibration(const BoundRuns& runs) {
-  // The readings' share is the unit; how much systematic error and floor there is beside it decides
-  // how evenly the bound holds, and the scale follows. Steps of a quarter are finer than the data.
-  const double least_scale = default_bound_calibration().least_residual_scale;
+  // The readings' share is the unit; how much clutter adds, and how much systematic error and floor
+  // there is beside it, decides how evenly the bound holds, and the scale follows. Steps of a
+  // quarter are finer than the data.
   BoundCalibration best{.correlated_readings = 1.0,
-                        .least_residual_scale = least_scale,
-                        .systematic_mm = 0.0,
-                        .floor_mm = 0.0};
+                        .least_residual_scale = default_bound_calibration().least_residual_scale};
   double best_spread = unevenness(runs, best).spread;
+  const auto try_out = [&](const BoundCalibration& tried) {
+    const double spread = unevenness(runs, tried).spread;
+    if (spread >= best_spread) return;
+    best_spread = spread;
+    best = tried;
+  };
+  for (double growth = 0.25; growth <= 2.0; growth += 0.25) {
+    auto tried = best;
+    tried.clutter_growth = growth;
+    try_out(tried);
+  }
+  const BoundCalibration without_systematic = best;
   for (double systematic_mm = 0.005; systematic_mm < 1.0; systematic_mm *= 1.25) {
     for (const double floor_share : {0.0, 0.25, 0.5, 1.0, 2.0}) {
-      const BoundCalibration tried{.correlated_readings = 1.0,
-                                   .least_residual_scale = least_scale,
-                                   .systematic_mm = systematic_mm,
-                                   .floor_mm = floor_share * systematic_mm};
-      const double spread = unevenness(runs, tried).spread;
-      if (spread >= best_spread) continue;
-      best_spread = spread;
-      best = tried;
+      auto tried = without_systematic;
+      tried.systematic_mm = systematic_mm;
+      tried.floor_mm = floor_share * systematic_mm;
+      try_out(tried);
     }
   }
   const auto all = ratios(runs, best, [&](const BoundSample& sample) {

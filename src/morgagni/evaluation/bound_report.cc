@@ -133,6 +133,7 @@ std::string to_json(const std::vector<BoundCoverage>& lines,
                    options.first_seed + static_cast<std::uint64_t>(options.num_seeds) - 1};
   json["frames_per_seed"] = options.num_frames;
   json["calibration"] = {{"correlated_readings", calibration.correlated_readings},
+                         {"clutter_growth", calibration.clutter_growth},
                          {"systematic_mm", calibration.systematic_mm},
                          {"floor_mm", calibration.floor_mm}};
   for (std::size_t i = 0; i < runs.groups.size(); ++i) {

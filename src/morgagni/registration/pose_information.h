@@ -18,6 +18,9 @@ struct PoseInformation {
   /// model explains the residual.
   double residual_scale = 0.0;
   int num_pairs = 0;
+  /// Share of all moving points that is not near the surface, 0..1: clutter, some of which is
+  /// mistaken for the surface where it touches it.
+  double unexplained_fraction = 0.0;
 };
 
 }  // namespace mor

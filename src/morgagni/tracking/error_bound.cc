@@ -32,8 +32,9 @@ double chi_square_95(double degrees) {
 }  // namespace
 
 BoundCalibration default_bound_calibration() {
-  return {.correlated_readings = 3.4,
+  return {.correlated_readings = 2.08,
           .least_residual_scale = 0.33,
+          .clutter_growth = 0.5,
           .systematic_mm = 0.0,
           .floor_mm = 0.0};
 }
@@ -54,7 +55,8 @@ std::optional<PoseCovariance> pose_covariance(const PoseInformation& information
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled);
   const double sigma = std::max(calibration.least_residual_scale, information.residual_scale);
   const double sum_weights = information.matrix.diagonal().tail<3>().sum();
-  const double variance = sigma * sigma * calibration.correlated_readings +
+  const double clutter = 1.0 + calibration.clutter_growth * information.unexplained_fraction;
+  const double variance = sigma * sigma * calibration.correlated_readings * clutter +
                           sum_weights * calibration.systematic_mm * calibration.systematic_mm;
   const double weakest = eigen.eigenvalues()[0];
   // Written so that NaN is open.

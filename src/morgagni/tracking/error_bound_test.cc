@@ -56,6 +56,17 @@ TEST(PoseCovariance, GrowsWithTheResidualAndTheReadingsThatCountAsOne) {
       << "a small residual is luck, not knowledge";
 }
 
+TEST(PoseCovariance, GrowsWithWhatIsNotExplained) {
+  auto data = information(lopsided());
+  auto calibration = kPlain;
+  calibration.clutter_growth = 2.0;
+  const auto plain = pose_covariance(data, calibration);
+  data.unexplained_fraction = 0.5;
+  const auto cluttered = pose_covariance(data, calibration);
+  EXPECT_NEAR(
+      (cluttered->matrix - 2.0 * plain->matrix).norm(), 0.0, 1e-6 * cluttered->matrix.norm());
+}
+
 TEST(PoseCovariance, ASystematicErrorDoesNotAverageOut) {
   auto calibration = kPlain;
   calibration.systematic_mm = 0.5;

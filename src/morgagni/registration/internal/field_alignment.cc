@@ -185,18 +185,19 @@ RegistrationResult FieldAlignment::finish(const PairingRule& rule) {
   result.fixed_from_moving = pose_;
   result.num_iterations = num_iterations_;
   result.num_pairs = equations.num_pairs;
+  if (num_moving_ > 0) {
+    const auto size = static_cast<double>(num_moving_);
+    result.explained_fraction = equations.num_near / size;
+    result.seen_through_fraction = equations.num_below / size;
+  }
   if (equations.sum_weights > 0.0) {
     result.rms_distance_mm = std::sqrt(equations.sum_weighted_sq / equations.sum_weights);
     result.information = PoseInformation{
         .matrix = equations.information,
         .pivot_mm = pivot(),
         .residual_scale = std::sqrt(equations.sum_weighted_sq / equations.num_pairs),
-        .num_pairs = equations.num_pairs};
-  }
-  if (num_moving_ > 0) {
-    const auto size = static_cast<double>(num_moving_);
-    result.explained_fraction = equations.num_near / size;
-    result.seen_through_fraction = equations.num_below / size;
+        .num_pairs = equations.num_pairs,
+        .unexplained_fraction = 1.0 - result.explained_fraction};
   }
   if (equations.num_pairs < kMinPairs) {
     result.status = RegistrationStatus::kTooFewPairs;
