@@ -3,7 +3,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // The field engine on cases of its own, made with the simulated camera from seeds that nothing was tuned on (4000 and above;
-// below 1000 the engine was tuned, up to 2999 has been looked at):
+// below 1000 and from 2000 to 2999 the engine was tuned):
 //   node benchmarks/accuracy/engine.mjs HEAD_CASE TORSO_CASE [FRAMES] [STARTS] [FIRST_SEED] [CELLS]
 // Prints two Markdown tables: every cell, and the clutter cells by how much of the body is bare. Recordings and JSON reports stay in
 // build/accuracy/engine. `views` are camera places that have nothing to do with each other, each with clutter of its own; `orbit` is a
