@@ -36,6 +36,7 @@ struct Arguments {
   std::filesystem::path pdf = "board.pdf";
   std::string device;
   int num_views = 24;
+  int num_wall_views = 10;
   int num_check_views = 3;
   bool skips_depth = false;
   bool keeps = true;
@@ -96,7 +97,11 @@ Gathered gather_live(const Arguments& arguments, const CalibrationBoard& board, 
     fmt::print("no infrared picture: {}\n", picture.error().message);
     return std::nullopt;
   };
-  Gathered gathered{ViewCollector(board, camera->calibration(), {.min_views = num_views}),
+  // A check needs a few views, not all kinds.
+  const bool is_check = num_views <= arguments.num_check_views;
+  const WantedViews wanted{num_views,
+                           is_check || arguments.skips_depth ? 0 : arguments.num_wall_views};
+  Gathered gathered{ViewCollector(board, camera->calibration(), {.wanted = wanted}),
                     arguments.device.empty() ? camera->device_id() : arguments.device};
   std::string said;
   int num_errors = 0;
@@ -119,9 +124,7 @@ Gathered gather_live(const Arguments& arguments, const CalibrationBoard& board, 
     if (say != said) fmt::print("{}\n", say);
     std::fflush(stdout);
     said = std::move(say);
-    // A check needs a few views, not all kinds.
-    if (num_views <= arguments.num_check_views &&
-        static_cast<int>(gathered.collector.views().size()) >= num_views) {
+    if (is_check && static_cast<int>(gathered.collector.views().size()) >= num_views) {
       break;
     }
   }
@@ -178,7 +181,8 @@ void serve_page(const Arguments& arguments) {
   const StopSignals signals;
   CalibrationDeskOptions options;
   options.board = value_or_exit(parse_board(arguments.board));
-  options.collector.min_views = arguments.num_views;
+  options.collector.wanted = {arguments.num_views,
+                              arguments.skips_depth ? 0 : arguments.num_wall_views};
   options.rig.fits_depth = !arguments.skips_depth;
   options.rig.depth.form = kForms.at(arguments.depth_form);
   options.device_id = arguments.device;
@@ -258,6 +262,12 @@ void add_calibrate_command(CLI::App& app) {
       ->add_option("--views", arguments->num_views, "Poses of the board that are taken, at least")
       ->capture_default_str()
       ->check(CLI::Range(8, 200));
+  command
+      ->add_option("--wall-views",
+                   arguments->num_wall_views,
+                   "Besides, of the board on a wall or a wide table, for the depth")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 100));
   command->add_option("--design",
                       arguments->design,
                       "--images: calibration that stands where the views say nothing");
@@ -298,7 +308,8 @@ void add_calibrate_command(CLI::App& app) {
   command->require_subcommand(0, 1);
   command->footer(
       "Keys of the simulated board, for trying it out:\n"
-      "  seed=1  sensor=kinect|tof  bias=MM  blur=PX  grain=LEVEL  wall=0|1  near=MM  far=MM\n"
+      "  seed=1  sensor=kinect|tof  bias=MM  blur=PX  grain=LEVEL  wall=0|1|turns  near=MM  "
+      "far=MM\n"
       "  tilt=DEGREES  hold=SECONDS  infrared=0|1  speed=real|full\n"
       "\n"
       "Examples:\n"

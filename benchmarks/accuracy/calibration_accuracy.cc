@@ -110,11 +110,12 @@ Result<Errors> run(const Arguments& arguments, int seed) {
   MOR_TRY(auto options,
           SimulatedBoardOptions::parse(arguments.camera + (arguments.camera.empty() ? "" : ",") +
                                        fmt::format("seed={}", seed)));
+  options.backing = BoardBacking::kAir;
   MOR_TRY(const auto camera, SimulatedBoardCamera::create(board_picture(board), options));
   ViewCollector collector(board, camera->calibration());
   add_views(*camera, arguments, arguments.num_views, collector);
   // Then the board hangs on a wall, which the depth camera sees whole.
-  options.is_on_wall = true;
+  options.backing = BoardBacking::kWall;
   options.near_mm = 500.0;
   options.far_mm = 1250.0;
   options.tilt_deg = 15.0;

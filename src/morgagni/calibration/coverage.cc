@@ -20,6 +20,8 @@ constexpr double kSameDistance = 0.08;
 constexpr int kWantedDistances = 4;
 constexpr double kWantedRange = 1.4;  ///< Farthest over nearest.
 constexpr int kCornersInPart = 4;
+constexpr double kNearWallMm = 650.0;  ///< A view on the wall from at most so far,
+constexpr double kFarWallMm = 1050.0;  ///< and one from at least so far.
 
 constexpr std::array<const char*, 9> kParts = {"upper left corner",
                                                "upper edge",
@@ -81,6 +83,27 @@ void ask_for_distances(const std::vector<BoardPlace>& places, Coverage& coverage
   }
 }
 
+/// Asked for when the board has been in the hand often enough.
+void ask_for_wall(const std::vector<double>& distances_mm, int wanted, Coverage& coverage) {
+  const auto [near, far] = std::ranges::minmax_element(distances_mm);
+  const int lacking = wanted - coverage.num_on_wall;
+  if (distances_mm.empty()) {
+    coverage.missing.push_back(fmt::format(
+        "now hang the board on a flat wall, or lay it on a wide table, for {} views from 50 to 120 "
+        "cm, a little tilted",
+        lacking));
+  } else if (*near > kNearWallMm) {
+    coverage.missing.push_back(
+        fmt::format("nearer to the wall: 50 to 65 cm; so far it was {:.0f} cm", *near / 10.0));
+  } else if (*far < kFarWallMm) {
+    coverage.missing.push_back(
+        fmt::format("farther from the wall: 105 to 125 cm; so far it was {:.0f} cm", *far / 10.0));
+  } else if (lacking > 0) {
+    coverage.missing.push_back(
+        fmt::format("{} more of the board on the wall, each from another distance", lacking));
+  }
+}
+
 }  // namespace
 
 std::optional<BoardPlace> place_of(const CalibrationBoard& board,
@@ -100,14 +123,20 @@ std::optional<BoardPlace> place_of(const CalibrationBoard& board,
 
 Coverage coverage_of(const CalibrationBoard& board,
                      const std::vector<BoardSighting>& views,
+                     const std::vector<bool>& on_wall,
                      const PinholeCamera& camera,
-                     int min_views) {
+                     const WantedViews& wanted) {
   Coverage coverage;
   coverage.num_views = static_cast<int>(views.size());
   std::vector<BoardPlace> places;
-  for (const auto& sighting : views) {
-    count_parts(sighting, camera, coverage);
-    if (const auto place = place_of(board, sighting, camera)) places.push_back(*place);
+  std::vector<double> wall_distances_mm;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    count_parts(views[i], camera, coverage);
+    const auto place = place_of(board, views[i], camera);
+    if (place) places.push_back(*place);
+    if (!on_wall[i]) continue;
+    ++coverage.num_on_wall;
+    if (place) wall_distances_mm.push_back(place->distance_mm);
   }
   for (std::size_t i = 0; i < kParts.size(); ++i) {
     if (coverage.views_in_part[i] == 0) {
@@ -116,9 +145,13 @@ Coverage coverage_of(const CalibrationBoard& board,
   }
   ask_for_tilts(places, coverage.missing);
   ask_for_distances(places, coverage);
-  if (coverage.missing.empty() && coverage.num_views < min_views) {
+  const int in_hand = coverage.num_views - coverage.num_on_wall;
+  if (coverage.missing.empty() && in_hand < wanted.in_hand) {
     coverage.missing.push_back(
-        fmt::format("take {} more, each in another pose", min_views - coverage.num_views));
+        fmt::format("take {} more, each in another pose", wanted.in_hand - in_hand));
+  }
+  if (coverage.missing.empty() && wanted.on_wall > 0) {
+    ask_for_wall(wall_distances_mm, wanted.on_wall, coverage);
   }
   return coverage;
 }

@@ -32,14 +32,26 @@ struct Coverage {
   static constexpr int kRows = 3;
   std::array<int, kColumns * kRows> views_in_part{};  ///< Of the picture, row by row.
   int num_views = 0;
+  int num_on_wall = 0;               ///< Of the views.
   int num_distances = 0;             ///< More than 8 % apart.
   std::vector<std::string> missing;  ///< What to do next, the most needed first; empty: enough.
 };
 
+/// How many views are asked for.
+struct WantedViews {
+  int in_hand = 24;
+  /// Of the board on a wall or a wide table, near and far: the depth's error over the whole picture
+  /// is found there. 0: none, the depth is not corrected.
+  int on_wall = 0;
+};
+
+/// @param on_wall  Whether a view is one, in the order of `views`.
 /// @param camera  The design's lens.
+/// @pre views.size() == on_wall.size()
 [[nodiscard]] Coverage coverage_of(const CalibrationBoard& board,
                                    const std::vector<BoardSighting>& views,
+                                   const std::vector<bool>& on_wall,
                                    const PinholeCamera& camera,
-                                   int min_views);
+                                   const WantedViews& wanted);
 
 }  // namespace mor

@@ -58,6 +58,10 @@ DepthReader::DepthReader(const PinholeCamera& depth_camera) : camera_(depth_came
   }
 }
 
+int DepthReader::num_blocks() const {
+  return (camera_.width_px / kBlockPx) * (camera_.height_px / kBlockPx);
+}
+
 std::vector<DepthReading> DepthReader::read(const Image<float>& depth_mm,
                                             const CalibrationBoard& board,
                                             const Eigen::Isometry3d& depth_from_board,

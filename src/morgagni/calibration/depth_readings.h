@@ -44,6 +44,9 @@ class DepthReader {
                                                BoardArea area,
                                                int view) const;
 
+  /// How many readings a picture full of the board would give.
+  [[nodiscard]] int num_blocks() const;
+
  private:
   PinholeCamera camera_;
   std::vector<Eigen::Vector2d> rays_;

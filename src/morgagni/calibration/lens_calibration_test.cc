@@ -121,21 +121,51 @@ TEST_F(LensCalibrationTest, RefusesTwoBoardsInOneSet) {
 }
 
 TEST_F(LensCalibrationTest, CoverageAsksForWhatIsMissingInPlainWords) {
+  const auto coverage = [&](const std::vector<BoardSighting>& views, int wanted) {
+    return coverage_of(
+        board_, views, std::vector<bool>(views.size(), false), sample_lens(), {.in_hand = wanted});
+  };
   std::vector<BoardSighting> sightings;
-  EXPECT_EQ(coverage_of(board_, sightings, sample_lens(), 18).missing.size(), 9U + 4U);
+  EXPECT_EQ(coverage(sightings, 18).missing.size(), 9U + 4U);
   for (const auto& view : sample_views(board_, sample_poses(board_, 18), 0.0, 1)) {
     sightings.push_back(view.sighting);
   }
-  EXPECT_THAT(coverage_of(board_, sightings, sample_lens(), 18).missing, IsEmpty());
-  EXPECT_THAT(coverage_of(board_, sightings, sample_lens(), 20).missing,
-              testing::ElementsAre(HasSubstr("take 2 more")));
+  EXPECT_THAT(coverage(sightings, 18).missing, IsEmpty());
+  EXPECT_THAT(coverage(sightings, 20).missing, testing::ElementsAre(HasSubstr("take 2 more")));
   std::vector<BoardSighting> middle(
       9, sample_views(board_, {sample_pose(board_, 0.5, 0.5, 900.0, 0, 0)}, 0.0, 1)[0].sighting);
-  const auto missing = coverage_of(board_, middle, sample_lens(), 8).missing;
+  const auto missing = coverage(middle, 8).missing;
   EXPECT_THAT(missing, testing::Contains(HasSubstr("upper left corner of the picture")));
   EXPECT_THAT(missing, testing::Contains(HasSubstr("its left edge is nearer")));
   EXPECT_THAT(missing,
               testing::Contains(HasSubstr("change the distance: so far the board was 90")));
+}
+
+TEST_F(LensCalibrationTest, CoverageAsksForTheWallWhenTheHandHasDone) {
+  std::vector<BoardSighting> sightings;
+  std::vector<bool> on_wall;
+  const auto add_on_wall = [&](double distance_mm) {
+    const auto pose = sample_pose(board_, 0.5, 0.5, distance_mm, 4.0, 3.0);
+    sightings.push_back(sample_views(board_, {pose}, 0.0, 1)[0].sighting);
+    on_wall.push_back(true);
+  };
+  const auto missing = [&] {
+    return coverage_of(board_, sightings, on_wall, sample_lens(), {.in_hand = 18, .on_wall = 3})
+        .missing;
+  };
+  for (const auto& view : sample_views(board_, sample_poses(board_, 18), 0.0, 1)) {
+    sightings.push_back(view.sighting);
+    on_wall.push_back(false);
+  }
+  EXPECT_THAT(missing(),
+              testing::ElementsAre(HasSubstr("flat wall, or lay it on a wide table, for 3")));
+  add_on_wall(800.0);
+  EXPECT_THAT(missing(),
+              testing::ElementsAre(HasSubstr("nearer to the wall: 50 to 65 cm; so far it was 80")));
+  add_on_wall(550.0);
+  EXPECT_THAT(missing(), testing::ElementsAre(HasSubstr("farther from the wall")));
+  add_on_wall(1100.0);
+  EXPECT_THAT(missing(), IsEmpty());
 }
 
 TEST_F(LensCalibrationTest, SaysWhichEdgeOfTheBoardIsNearer) {

@@ -39,7 +39,7 @@ struct Drawn {
                                           SimulatedBoardOptions::parse(options).value())
           .value();
     };
-    camera = camera_of("seed=17,near=450,far=1200");
+    camera = camera_of("seed=17,near=450,far=1200,wall=0");
     wall = camera_of("seed=17,near=500,far=1250,tilt=15,wall=1");
     ViewCollector collector(board, camera->calibration());
     const auto add = [&](const SimulatedBoardCamera& from, std::uint64_t count) {

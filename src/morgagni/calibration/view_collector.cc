@@ -10,6 +10,8 @@
 namespace mor {
 namespace {
 
+constexpr double kWallShare = 0.5;  ///< Of the depth picture.
+
 /// Mean distance between the corners that two sightings share; none where they share few.
 std::optional<double> mean_shift_px(const BoardSighting& a, const BoardSighting& b) {
   double sum = 0.0;
@@ -29,7 +31,26 @@ std::optional<double> mean_shift_px(const BoardSighting& a, const BoardSighting&
 ViewCollector::ViewCollector(const CalibrationBoard& board,
                              const RgbdCalibration& by_design,
                              const CollectorOptions& options)
-    : board_(board), by_design_(by_design), options_(options) {}
+    : board_(board), by_design_(by_design), options_(options), reader_(by_design.depth) {}
+
+/// The board's plane goes on around it, over most of the depth picture.
+bool ViewCollector::is_on_wall(const RigView& view) const {
+  if (!view.color || view.depth_mm.empty()) return false;
+  const auto color_from_board = camera_from_board(board_, *view.color, by_design_.color);
+  if (!color_from_board) return false;
+  const auto readings = reader_.read(view.depth_mm,
+                                     board_,
+                                     by_design_.color_from_depth.inverse() * *color_from_board,
+                                     BoardArea::kWhole,
+                                     0);
+  const auto beside = std::ranges::count(readings, true, &DepthReading::is_beside);
+  return static_cast<double>(beside) > kWallShare * static_cast<double>(reader_.num_blocks());
+}
+
+void ViewCollector::keep(RigView view) {
+  on_wall_.push_back(is_on_wall(view));
+  views_.push_back(std::move(view));
+}
 
 bool ViewCollector::is_like_one_taken(const BoardSighting& sighting) const {
   return std::ranges::any_of(views_, [&](const RigView& view) {
@@ -97,7 +118,7 @@ void ViewCollector::take(const Infrared& infrared) {
       if (!search.found.empty()) view.infrared = std::move(search.found.front());
     }
   }
-  views_.push_back(std::move(view));
+  keep(std::move(view));
 }
 
 std::string ViewCollector::add(const std::string& name,
@@ -125,20 +146,25 @@ std::string ViewCollector::add(const std::string& name,
       view.depth_mm.data()[i] = depth_mm->data()[i];
     }
   }
-  if (view.color || view.infrared) views_.push_back(std::move(view));
+  if (view.color || view.infrared) keep(std::move(view));
   return reason;
 }
 
 void ViewCollector::drop_last() {
-  if (!views_.empty()) views_.pop_back();
+  if (views_.empty()) return;
+  views_.pop_back();
+  on_wall_.pop_back();
 }
 
 Coverage ViewCollector::coverage() const {
   std::vector<BoardSighting> sightings;
-  for (const auto& view : views_) {
-    if (view.color) sightings.push_back(*view.color);
+  std::vector<bool> on_wall;
+  for (std::size_t i = 0; i < views_.size(); ++i) {
+    if (!views_[i].color) continue;
+    sightings.push_back(*views_[i].color);
+    on_wall.push_back(on_wall_[i]);
   }
-  return coverage_of(board_, sightings, by_design_.color, options_.min_views);
+  return coverage_of(board_, sightings, on_wall, by_design_.color, options_.wanted);
 }
 
 Result<RigCalibration> ViewCollector::solve(const RigOptions& options) const {

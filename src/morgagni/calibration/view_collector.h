@@ -15,7 +15,7 @@
 namespace mor {
 
 struct CollectorOptions {
-  int min_views = 20;     ///< Until the coverage is called enough.
+  WantedViews wanted = {.in_hand = 24, .on_wall = 10};  ///< Until the coverage is called enough.
   int still_frames = 4;   ///< The board must lie still for so many frames before it is taken.
   double still_px = 1.2;  ///< Corners that move less, from frame to frame, lie still.
   double max_edge_width_px = 3.5;  ///< A more blurred board is not taken.
@@ -72,13 +72,17 @@ class ViewCollector {
   [[nodiscard]] Result<RigCalibration> solve(const RigOptions& options = {}) const;
 
  private:
+  [[nodiscard]] bool is_on_wall(const RigView& view) const;
+  void keep(RigView view);
   [[nodiscard]] bool is_like_one_taken(const BoardSighting& sighting) const;
   void take(const Infrared& infrared);
 
   CalibrationBoard board_;
   RgbdCalibration by_design_;
   CollectorOptions options_;
+  DepthReader reader_;  ///< Of the design.
   std::vector<RigView> views_;
+  std::vector<bool> on_wall_;  ///< In the same order: the board lies on a wide flat thing.
   std::optional<BoardSighting> last_;
   int num_still_ = 0;
   Image<float> depth_sum_mm_;

@@ -32,6 +32,12 @@ constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr double kReferenceMm = 800.0;
 /// The wiggle of a time-of-flight camera repeats over the distance; its second harmonic too.
 constexpr double kWigglePeriodMm = 900.0;
+/// BoardBacking::kTurns.
+constexpr std::uint64_t kPosesInAir = 36;
+constexpr std::uint64_t kPosesOnWall = 14;
+/// On the wall the camera moves, from here on and tilted by at most so much.
+constexpr double kNearestOnWallMm = 500.0;
+constexpr double kMostTiltOnWallDeg = 15.0;
 
 /// A Kinect v1 as designed, near enough; the time-of-flight camera has the same lenses here.
 RgbdCalibration design() {
@@ -121,6 +127,11 @@ struct SimulatedBoardCamera::Impl {
     return calibration;
   }
 
+  [[nodiscard]] bool is_on_wall(std::uint64_t pose) const {
+    if (options.backing != BoardBacking::kTurns) return options.backing == BoardBacking::kWall;
+    return pose % (kPosesInAir + kPosesOnWall) >= kPosesInAir;
+  }
+
   /// Poses go through the picture's parts in turn, near and far, with all kinds of tilts.
   [[nodiscard]] Eigen::Isometry3d color_from_board(std::uint64_t pose) const {
     Draws draw(scramble(scramble(options.seed ^ 0x504F5345U) ^ pose));
@@ -128,13 +139,19 @@ struct SimulatedBoardCamera::Impl {
     const double share_x = (std::fmod(part, 3.0) + draw(0.2, 0.8)) / 3.0;
     const double share_y = (std::floor(part / 3.0) + draw(0.2, 0.8)) / 3.0;
     const double step = std::fmod(0.618034 * static_cast<double>(pose) + draw(0.0, 0.1), 1.0);
-    const double z_mm = options.near_mm + step * (options.far_mm - options.near_mm);
+    const bool is_turned_to_wall = options.backing == BoardBacking::kTurns && is_on_wall(pose);
+    const double near_mm = is_turned_to_wall
+                               ? std::clamp(kNearestOnWallMm, options.near_mm, options.far_mm)
+                               : options.near_mm;
+    const double tilt_deg =
+        is_turned_to_wall ? std::min(kMostTiltOnWallDeg, options.tilt_deg) : options.tilt_deg;
+    const double z_mm = near_mm + step * (options.far_mm - near_mm);
     // Near ones stay in the picture with their middle, far ones may go to its rim.
     const double reach = std::clamp(z_mm / 900.0, 0.45, 0.8);
     const Eigen::Vector2d pixel((0.5 + reach * (share_x - 0.5)) * kWidthPx,
                                 (0.5 + reach * (share_y - 0.5)) * kHeightPx);
     const double towards_rad = draw(0.0, 2.0 * std::numbers::pi);
-    const double tilt_rad = kRadPerDeg * options.tilt_deg * std::sqrt(draw(0.1, 1.0));
+    const double tilt_rad = kRadPerDeg * tilt_deg * std::sqrt(draw(0.1, 1.0));
     const Eigen::Matrix3d turned =
         (Eigen::AngleAxisd(tilt_rad,
                            Eigen::Vector3d(std::cos(towards_rad), std::sin(towards_rad), 0.0)) *
@@ -170,7 +187,7 @@ struct SimulatedBoardCamera::Impl {
   }
 
   [[nodiscard]] Image<std::uint16_t> depth_of(std::uint64_t pose, std::uint64_t frame_id) const {
-    auto ideal = depth_view.depth(depth_from_board(pose), options.is_on_wall);
+    auto ideal = depth_view.depth(depth_from_board(pose), is_on_wall(pose));
     if (options.bias_mm > 0.0) {
       for (int y = 0; y < kHeightPx; ++y) {
         for (int x = 0; x < kWidthPx; ++x) {
@@ -185,10 +202,12 @@ struct SimulatedBoardCamera::Impl {
                                      : noise.apply(ideal, frame_id);
   }
 
-  [[nodiscard]] internal::BoardLook look(std::uint64_t frame_id, double grain) const {
+  [[nodiscard]] internal::BoardLook look(std::uint64_t pose,
+                                         std::uint64_t frame_id,
+                                         double grain) const {
     return {.blur_px = options.blur_px,
             .grain = grain,
-            .is_on_wall = options.is_on_wall,
+            .is_on_wall = is_on_wall(pose),
             .seed = scramble(options.seed ^ scramble(frame_id))};
   }
 
@@ -240,7 +259,7 @@ double SimulatedBoardCamera::bias_mm(int x_px, int y_px, double z_mm) const {
 Image<Rgb8> SimulatedBoardCamera::infrared_at(std::uint64_t pose) const {
   // Without the emitter a depth camera has little light: half the contrast, twice the grain.
   return impl_->depth_view.picture(impl_->depth_from_board(pose),
-                                   impl_->look(~pose, 2.0 * impl_->options.grain),
+                                   impl_->look(pose, ~pose, 2.0 * impl_->options.grain),
                                    /*contrast=*/0.5);
 }
 
@@ -252,7 +271,7 @@ std::shared_ptr<const RgbdFrame> SimulatedBoardCamera::frame_at(std::uint64_t po
   frame->color = impl_->options.shows_infrared
                      ? infrared_at(pose)
                      : impl_->color_view.picture(impl_->color_from_board(pose),
-                                                 impl_->look(frame_id, impl_->options.grain),
+                                                 impl_->look(pose, frame_id, impl_->options.grain),
                                                  /*contrast=*/1.0);
   frame->depth_mm = impl_->depth_of(pose, frame_id);
   return frame;
@@ -300,8 +319,8 @@ Result<SimulatedBoardOptions> SimulatedBoardOptions::parse(std::string_view text
     } else if (pair.key == "grain") {
       MOR_TRY(options.grain, internal::parse_number(pair, 0.0, 30.0));
     } else if (pair.key == "wall") {
-      MOR_TRY(const auto choice, internal::parse_choice(pair, {"0", "1"}));
-      options.is_on_wall = choice == 1;
+      MOR_TRY(const auto choice, internal::parse_choice(pair, {"0", "1", "turns"}));
+      options.backing = static_cast<BoardBacking>(choice);
     } else if (pair.key == "near") {
       MOR_TRY(options.near_mm, internal::parse_number(pair, 250.0, 3000.0));
     } else if (pair.key == "far") {

@@ -20,6 +20,13 @@ struct BoardPicture {
   Eigen::Vector2d first_px_mm = Eigen::Vector2d::Zero();  ///< Centre of pixel (0, 0), frame board.
 };
 
+/// What is behind a simulated board.
+enum class BoardBacking : std::uint8_t {
+  kAir,    ///< It is held in the air.
+  kWall,   ///< It hangs on a flat wall, its face 3 mm before it.
+  kTurns,  ///< In the air for 36 poses, on the wall for 14, and so on, as a session goes.
+};
+
 /// What `simulated-board:key=value,...` sets; the keys stand in brackets.
 struct SimulatedBoardOptions {
   std::uint64_t seed = 1;  ///< [seed] Of the cameras' truth, the poses and the noise.
@@ -28,13 +35,13 @@ struct SimulatedBoardOptions {
   bool is_time_of_flight = false;
   /// [bias] 0..20: systematic depth error, root mean square over the picture at 800 mm.
   double bias_mm = 3.0;
-  double blur_px = 0.6;         ///< [blur] 0..5: the lenses' blur, standard deviation.
-  double grain = 2.0;           ///< [grain] 0..30: both pictures' noise, in brightness of 255.
-  bool is_on_wall = false;      ///< [wall] 0 | 1: the board hangs on a flat wall, else in the air.
-  double near_mm = 450.0;       ///< [near] 250..3000: distance of the nearest and
-  double far_mm = 1200.0;       ///< [far] of the farthest poses.
-  double tilt_deg = 35.0;       ///< [tilt] 0..60: of the most tilted ones.
-  double hold_s = 2.5;          ///< [hold] 0.2..60: each pose is held so long.
+  double blur_px = 0.6;  ///< [blur] 0..5: the lenses' blur, standard deviation.
+  double grain = 2.0;    ///< [grain] 0..30: both pictures' noise, in brightness of 255.
+  BoardBacking backing = BoardBacking::kTurns;  ///< [wall] 0: air | 1: wall | turns.
+  double near_mm = 450.0;                       ///< [near] 250..3000: distance of the nearest and
+  double far_mm = 1200.0;                       ///< [far] of the farthest poses.
+  double tilt_deg = 35.0;                       ///< [tilt] 0..60: of the most tilted ones.
+  double hold_s = 2.5;                          ///< [hold] 0.2..60: each pose is held so long.
   bool shows_infrared = false;  ///< [infrared] 0 | 1: the infrared picture in place of the colours.
   bool is_real_time = true;     ///< [speed] real | full.
 

@@ -58,7 +58,12 @@ TEST(SimulatedBoardCamera, MeasuresItsDepthWithTheBiasItSays) {
   for (int y = 10; y < 480; y += 20) {
     for (int x = 10; x < 640; x += 20) {
       const Eigen::Vector3d ray = camera->truth().depth.ray(Eigen::Vector2d(x, y)).homogeneous();
-      const double z_mm = normal.dot(pose.translation()) / normal.dot(ray);
+      double z_mm = normal.dot(pose.translation()) / normal.dot(ray);
+      const Eigen::Vector3d place = pose.inverse() * (z_mm * ray);
+      const bool is_on_board =
+          place.x() > 0.0 && place.y() > 0.0 && place.x() < 300.0 && place.y() < 200.0;
+      // The wall is behind the board.
+      if (!is_on_board) z_mm += 3.0 / normal.dot(ray);
       const double bias_mm = camera->bias_mm(x, y, z_mm);
       sum_mm += std::abs(frame->depth_mm(x, y) - z_mm - bias_mm);
       bias_sq += bias_mm * bias_mm;
@@ -67,6 +72,19 @@ TEST(SimulatedBoardCamera, MeasuresItsDepthWithTheBiasItSays) {
   }
   EXPECT_LT(sum_mm / count, 2.0) << "noise";
   EXPECT_GT(std::sqrt(bias_sq / count), 2.0);
+}
+
+TEST(SimulatedBoardCamera, HangsTheBoardOnAWallInTurns) {
+  const auto camera = camera_of("seed=5,sensor=tof,bias=0");
+  const auto farthest_mm = [&](std::uint64_t pose) {
+    const auto frame = camera->frame_at(pose, 0);
+    return *std::max_element(frame->depth_mm.data(),
+                             frame->depth_mm.data() + frame->depth_mm.size());
+  };
+  EXPECT_GT(farthest_mm(35), 2000);
+  EXPECT_LT(farthest_mm(36), 2000);
+  EXPECT_LT(farthest_mm(49), 2000);
+  EXPECT_GT(farthest_mm(50), 2000);
 }
 
 TEST(SimulatedBoardCamera, GivesTheSameFramesForTheSameSeed) {

@@ -4,6 +4,7 @@ import { h, setText } from '../dom';
 import { LiveVideo } from '../live_video';
 import { sentenceOf } from '../server_error';
 import { hintOf, hintPicture, partOf } from './hint';
+import { countOf, shareOf } from './progress';
 import { asSentence } from './sentence';
 
 interface Figure {
@@ -20,6 +21,8 @@ export interface CalibrationState {
   has_infrared: boolean;
   views: number;
   wanted_views: number;
+  views_on_wall: number;
+  wanted_on_wall: number;
   parts: number[];
   missing: string[];
   solving: boolean;
@@ -30,6 +33,15 @@ export interface CalibrationState {
 }
 
 const SHOWN_HINTS = 3;
+
+/** The one thing to do now. */
+function nowOf(state: CalibrationState, isEnough: boolean): string {
+  if (state.solving) return 'Calculating: this takes some seconds';
+  if (state.kept) return 'Kept: from now on this camera is used with it';
+  if (state.result) return 'Look at the figures, then keep it';
+  return isEnough ? 'That is enough: calculate' : state.say;
+}
+
 
 /** Holding a printed board before the camera until the server has seen enough of it. */
 export class CalibratePage {
@@ -111,10 +123,9 @@ export class CalibratePage {
     const kept = state.in_use ? `in use: ${state.in_use}` : 'not calibrated so far';
     setText(this.device, `${state.device || 'a device without a number'}: ${kept}. Board ${state.board}`);
     const enough = state.views > 0 && state.missing.length === 0;
-    const words = state.camera_error || (enough && !state.result ? 'That is enough: calculate' : state.say);
-    setText(this.say, asSentence(state.solving ? 'Calculating: this takes some seconds' : words));
-    setText(this.count, `${state.views} views, at least ${state.wanted_views} are wanted`);
-    this.bar.value = Math.min(1, state.views / state.wanted_views);
+    setText(this.say, asSentence(state.camera_error || nowOf(state, enough)));
+    setText(this.count, countOf(state));
+    this.bar.value = shareOf(state);
     this.showParts(state.parts);
     this.showHints(state.result ? [] : state.missing.slice(0, SHOWN_HINTS));
     this.showOutcome(state);
@@ -157,6 +168,6 @@ export class CalibratePage {
     for (const remark of state.result.remarks) this.outcome.append(h('p', {}, remark));
     const rows = [...(state.result.check ?? []).filter((figure) => figure.name !== 'state'), ...state.result.figures];
     this.outcome.append(
-      h('dl', {}, ...rows.flatMap(({ name, value }) => [h('dt', {}, asSentence(name).slice(0, -1)), h('dd', {}, value)])));
+      h('dl', {}, ...rows.flatMap(({ name, value }) => [h('dt', {}, asSentence(name).slice(0, -1)), h('dd', {}, value.replaceAll('+-', '±'))])));
   }
 }

@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /** What a sentence of the server asks for, as far as there is a picture for it. */
-export type Hint = 'left' | 'right' | 'upper' | 'lower' | 'distance' | 'place' | 'more';
+export type Hint = 'left' | 'right' | 'upper' | 'lower' | 'distance' | 'place' | 'wall' | 'more';
 
 const EDGES: [RegExp, Hint][] = [
   [/left edge is nearer/, 'left'],
   [/right edge is nearer/, 'right'],
   [/upper edge is nearer/, 'upper'],
   [/lower edge is nearer/, 'lower'],
+  [/\bwall\b/, 'wall'],
   [/distance/, 'distance'],
   [/hold the board at/, 'place'],
 ];
@@ -24,6 +25,7 @@ const OUTLINES: Record<Hint, string> = {
   lower: 'M16 16 L48 16 L56 48 L8 48 Z',
   distance: 'M8 14 L38 14 L38 36 L8 36 Z M40 40 L56 40 L56 52 L40 52 Z',
   place: 'M6 10 L58 10 L58 54 L6 54 Z',
+  wall: 'M4 8 L60 8 L60 56 L4 56 Z M20 20 L44 20 L44 38 L20 38 Z',
   more: 'M14 18 L50 18 L50 46 L14 46 Z M32 24 L32 40 M24 32 L40 32',
 };
 

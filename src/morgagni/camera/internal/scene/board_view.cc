@@ -12,6 +12,7 @@ namespace mor::internal {
 namespace {
 
 constexpr double kBackgroundMm = 2400.0;
+constexpr double kBoardThicknessMm = 3.0;
 constexpr float kWallBrightness = 190.0F;
 constexpr int kRaysASide = 3;
 
@@ -197,11 +198,15 @@ IdealDepth BoardView::depth(const Eigen::Isometry3d& camera_from_board, bool is_
     for (int x = 0; x < camera_.width_px; ++x) {
       const Eigen::Vector2d& ray = rays_(x + 1, y + 1);
       const Eigen::Vector3d direction = ray.homogeneous().normalized();
-      const auto z_mm = plane.depth_mm(ray);
-      bool is_plane = z_mm && is_on_wall;
-      if (z_mm && !is_on_wall) {
+      auto z_mm = plane.depth_mm(ray);
+      bool is_plane = false;
+      if (z_mm) {
         const Eigen::Vector3d place = plane.board_from_camera * (*z_mm * ray.homogeneous());
         is_plane = is_on_board(place.x(), place.y());
+      }
+      if (z_mm && is_on_wall && !is_plane) {
+        z_mm = *z_mm * (1.0 + kBoardThicknessMm / plane.distance_mm);
+        is_plane = true;
       }
       ideal.z_mm(x, y) = static_cast<float>(is_plane ? *z_mm : is_on_wall ? 0.0 : kBackgroundMm);
       const double facing = is_plane ? std::abs(plane.normal.dot(direction)) : direction.z();
