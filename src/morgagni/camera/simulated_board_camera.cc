@@ -186,7 +186,22 @@ struct SimulatedBoardCamera::Impl {
     return share * (base + wiggle * std::min(along, 1.5));
   }
 
-  [[nodiscard]] Image<std::uint16_t> depth_of(std::uint64_t pose, std::uint64_t frame_id) const {
+  /// What all frames of a pose have in common.
+  struct Drawn {
+    std::uint64_t pose = 0;
+    Image<float> color;
+    internal::IdealDepth depth;
+  };
+
+  [[nodiscard]] Drawn draw(std::uint64_t pose) const {
+    Drawn drawn{.pose = pose, .color = {}, .depth = biased_depth(pose)};
+    if (!options.shows_infrared) {
+      drawn.color = color_view.drawn(color_from_board(pose), is_on_wall(pose));
+    }
+    return drawn;
+  }
+
+  [[nodiscard]] internal::IdealDepth biased_depth(std::uint64_t pose) const {
     auto ideal = depth_view.depth(depth_from_board(pose), is_on_wall(pose));
     if (options.bias_mm > 0.0) {
       for (int y = 0; y < kHeightPx; ++y) {
@@ -198,17 +213,35 @@ struct SimulatedBoardCamera::Impl {
         }
       }
     }
-    return options.is_time_of_flight ? time_of_flight_noise(ideal.z_mm, options.seed, frame_id)
-                                     : noise.apply(ideal, frame_id);
+    return ideal;
   }
 
-  [[nodiscard]] internal::BoardLook look(std::uint64_t pose,
-                                         std::uint64_t frame_id,
-                                         double grain) const {
+  [[nodiscard]] internal::BoardLook look(std::uint64_t frame_id, double grain) const {
     return {.blur_px = options.blur_px,
             .grain = grain,
-            .is_on_wall = is_on_wall(pose),
             .seed = scramble(options.seed ^ scramble(frame_id))};
+  }
+
+  [[nodiscard]] Image<Rgb8> infrared_at(std::uint64_t pose) const {
+    // Without the emitter a depth camera has little light: half the contrast, twice the grain.
+    return depth_view.picture(depth_view.drawn(depth_from_board(pose), is_on_wall(pose)),
+                              look(~pose, 2.0 * options.grain),
+                              /*contrast=*/0.5);
+  }
+
+  [[nodiscard]] std::shared_ptr<RgbdFrame> frame_of(const Drawn& drawn,
+                                                    std::uint64_t repeat) const {
+    const std::uint64_t frame_id = scramble(drawn.pose) ^ repeat;
+    auto frame = std::make_shared<RgbdFrame>();
+    frame->calibration = stated;
+    frame->color =
+        options.shows_infrared
+            ? infrared_at(drawn.pose)
+            : color_view.picture(drawn.color, look(frame_id, options.grain), /*contrast=*/1.0);
+    frame->depth_mm = options.is_time_of_flight
+                          ? time_of_flight_noise(drawn.depth.z_mm, options.seed, frame_id)
+                          : noise.apply(drawn.depth, frame_id);
+    return frame;
   }
 
   SimulatedBoardOptions options;
@@ -224,6 +257,7 @@ struct SimulatedBoardCamera::Impl {
   std::shared_ptr<const RgbdCalibration> stated;
   std::uint64_t next_id = 0;
   std::uint64_t last_pose = 0;
+  std::optional<Drawn> last_drawn;  ///< next_frame()'s alone.
   std::optional<Clock::time_point> started_at;
 };
 
@@ -257,24 +291,12 @@ double SimulatedBoardCamera::bias_mm(int x_px, int y_px, double z_mm) const {
 }
 
 Image<Rgb8> SimulatedBoardCamera::infrared_at(std::uint64_t pose) const {
-  // Without the emitter a depth camera has little light: half the contrast, twice the grain.
-  return impl_->depth_view.picture(impl_->depth_from_board(pose),
-                                   impl_->look(pose, ~pose, 2.0 * impl_->options.grain),
-                                   /*contrast=*/0.5);
+  return impl_->infrared_at(pose);
 }
 
 std::shared_ptr<const RgbdFrame> SimulatedBoardCamera::frame_at(std::uint64_t pose,
                                                                 std::uint64_t repeat) const {
-  const std::uint64_t frame_id = scramble(pose) ^ repeat;
-  auto frame = std::make_shared<RgbdFrame>();
-  frame->calibration = impl_->stated;
-  frame->color = impl_->options.shows_infrared
-                     ? infrared_at(pose)
-                     : impl_->color_view.picture(impl_->color_from_board(pose),
-                                                 impl_->look(pose, frame_id, impl_->options.grain),
-                                                 /*contrast=*/1.0);
-  frame->depth_mm = impl_->depth_of(pose, frame_id);
-  return frame;
+  return impl_->frame_of(impl_->draw(pose), repeat);
 }
 
 Result<Image<Rgb8>> SimulatedBoardCamera::infrared_picture(std::stop_token /*stop*/) {
@@ -294,7 +316,10 @@ Result<std::shared_ptr<const RgbdFrame>> SimulatedBoardCamera::next_frame(std::s
   if (stop.stop_requested()) return nullptr;
   const std::uint64_t id = impl_->next_id++;
   impl_->last_pose = id / per_pose;
-  auto frame = std::make_shared<RgbdFrame>(*frame_at(id / per_pose, id % per_pose));
+  if (!impl_->last_drawn || impl_->last_drawn->pose != impl_->last_pose) {
+    impl_->last_drawn = impl_->draw(impl_->last_pose);
+  }
+  auto frame = impl_->frame_of(*impl_->last_drawn, id % per_pose);
   frame->frame_id = id;
   frame->captured_at = *impl_->started_at + static_cast<std::int64_t>(id) * period;
   if (impl_->options.is_real_time && !internal::wait_until(frame->captured_at, stop)) {

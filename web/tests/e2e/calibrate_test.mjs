@@ -52,30 +52,30 @@ const { page } = live;
 const key = (name) => page.getByRole('button', { name, exact: true });
 
 await live.wait_for_picture();
-await page.waitForFunction(() => window.morgagni.status?.views > 0);
+await page.waitForFunction(() => window.morgagni.status?.views > 0, undefined, { timeout: 200000 });
 assert.ok(await page.getByText('not calibrated so far').isVisible());
 assert.ok(await key('Calculate').isDisabled(), 'too few views');
 assert.ok((await page.locator('.hints li').count()) > 0, 'it says what is missing');
 await photograph(live, 'begin');
 
 await page.waitForFunction(
-  () => window.morgagni.status.missing.some((words) => words.includes('flat wall')), undefined, { timeout: 120000 });
+  () => window.morgagni.status.missing.some((words) => words.includes('flat wall')), undefined, { timeout: 200000 });
 assert.ok(await page.getByText('hang the board on a flat wall').isVisible());
 assert.equal(await page.locator('.grid .done').count(), 9, 'every part of the picture is ticked');
 await photograph(live, 'wall');
 
-await page.waitForFunction(() => window.morgagni.status.missing.length === 0, undefined, { timeout: 120000 });
+await page.waitForFunction(() => window.morgagni.status.missing.length === 0, undefined, { timeout: 200000 });
 assert.ok(await page.getByText('That is enough: calculate').isVisible());
 const enough = await live.status();
 assert.ok(enough.views_on_wall >= 5 && enough.views >= 17, `${enough.views_on_wall} of ${enough.views}`);
 await key('Undo the last').click();
 await page.waitForFunction((views) => window.morgagni.status.views === views - 1, enough.views);
-await page.waitForFunction(() => window.morgagni.status.missing.length === 0, undefined, { timeout: 120000 });
+await page.waitForFunction(() => window.morgagni.status.missing.length === 0, undefined, { timeout: 200000 });
 await fits(live);
 await photograph(live, 'enough');
 
 await key('Calculate').click();
-await page.waitForFunction(() => window.morgagni.status.result, undefined, { timeout: 120000 });
+await page.waitForFunction(() => window.morgagni.status.result, undefined, { timeout: 200000 });
 const { result } = await live.status();
 assert.deepEqual(result.remarks, []);
 const names = result.figures.map(({ name }) => name);

@@ -146,12 +146,8 @@ float BoardView::brightness(double x_mm, double y_mm, double px_mm) const {
   return bilinear(levels_[i], x, y);
 }
 
-Image<Rgb8> BoardView::picture(const Eigen::Isometry3d& camera_from_board,
-                               const BoardLook& look,
-                               double contrast) const {
-  static const NormalTable kNormal;
+Image<float> BoardView::drawn(const Eigen::Isometry3d& camera_from_board, bool is_on_wall) const {
   const Plane plane(camera_from_board);
-  const Draws light(scramble(look.seed));
   Image<float> seen(camera_.width_px, camera_.height_px);
   for (int y = 0; y < camera_.height_px; ++y) {
     for (int x = 0; x < camera_.width_px; ++x) {
@@ -170,11 +166,20 @@ Image<Rgb8> BoardView::picture(const Eigen::Isometry3d& camera_from_board,
         if (z_mm && is_on_board(place.x(), place.y())) {
           sum += brightness(place.x(), place.y(), *z_mm / (kRaysASide * camera_.focal_x_px));
         } else {
-          sum += look.is_on_wall ? kWallBrightness : background(ray);
+          sum += is_on_wall ? kWallBrightness : background(ray);
         }
       }
-      seen(x, y) = sum / (kRaysASide * kRaysASide) * light_at(center, light);
+      seen(x, y) = sum / (kRaysASide * kRaysASide);
     }
+  }
+  return seen;
+}
+
+Image<Rgb8> BoardView::picture(Image<float> seen, const BoardLook& look, double contrast) const {
+  static const NormalTable kNormal;
+  const Draws light(scramble(look.seed));
+  for (int y = 0; y < camera_.height_px; ++y) {
+    for (int x = 0; x < camera_.width_px; ++x) seen(x, y) *= light_at(rays_(x + 1, y + 1), light);
   }
   blur(seen, look.blur_px);
   Image<Rgb8> picture(camera_.width_px, camera_.height_px);

@@ -17,7 +17,6 @@ namespace mor::internal {
 struct BoardLook {
   double blur_px = 0.0;
   double grain = 0.0;
-  bool is_on_wall = false;
   std::uint64_t seed = 0;
 };
 
@@ -27,9 +26,13 @@ class BoardView {
  public:
   BoardView(BoardPicture board, const PinholeCamera& camera);
 
+  /// What is printed, and what is behind it, before light and lens. @cost About 0.1 s.
+  [[nodiscard]] Image<float> drawn(const Eigen::Isometry3d& camera_from_board,
+                                   bool is_on_wall) const;
+
   /// Grey, lit unevenly, blurred by the lens, with the sensor's grain.
   /// @param contrast  Of black to white, 1: full.
-  [[nodiscard]] Image<Rgb8> picture(const Eigen::Isometry3d& camera_from_board,
+  [[nodiscard]] Image<Rgb8> picture(Image<float> drawn,
                                     const BoardLook& look,
                                     double contrast) const;
 
