@@ -48,6 +48,7 @@ export class CalibratePage {
   readonly live: LiveVideo;
   status: CalibrationState | undefined;
 
+  private readonly main = h('main', { class: 'calibrate' });
   private readonly say = h('p', { class: 'say', 'aria-live': 'polite' });
   private readonly count = h('p', { class: 'count' });
   private readonly bar = h('progress', { class: 'bar', max: 1 });
@@ -70,17 +71,16 @@ export class CalibratePage {
     for (let i = 0; i < 9; ++i) this.grid.append(h('span'));
     this.solve.classList.add('main');
     this.save.classList.add('main');
-    root.append(
-      h('main', { class: 'calibrate' },
-        h('header', { class: 'head' }, h('h1', {}, 'Calibrate the camera'), this.device),
-        h('div', { class: 'view' }, video, this.grid),
-        h('aside', { class: 'side' },
-          h('div', { class: 'now' }, this.say, this.error),
-          h('div', { class: 'progress' }, this.count, this.bar),
-          this.hints,
-          this.outcome,
-          h('div', { class: 'keys' }, this.take, this.drop, this.solve, this.save, this.restart))),
-    );
+    this.main.append(
+      h('header', { class: 'head' }, h('h1', {}, 'Calibrate the camera'), this.device),
+      h('div', { class: 'view' }, video, this.grid),
+      h('aside', { class: 'side' },
+        h('div', { class: 'now' }, this.say, this.error),
+        h('div', { class: 'progress' }, this.count, this.bar),
+        this.hints,
+        this.outcome,
+        h('div', { class: 'keys' }, this.take, this.drop, this.solve, this.save, this.restart)));
+    root.append(this.main);
   }
 
   start(): void {
@@ -129,6 +129,7 @@ export class CalibratePage {
     this.showParts(state.parts);
     this.showHints(state.result ? [] : state.missing.slice(0, SHOWN_HINTS));
     this.showOutcome(state);
+    this.main.classList.toggle('has-result', state.result !== undefined);
     this.drop.disabled = state.views === 0 || state.solving;
     this.solve.hidden = state.result !== undefined;
     this.solve.disabled = state.views < 8 || state.solving;
@@ -136,7 +137,8 @@ export class CalibratePage {
     this.save.hidden = state.result === undefined;
     this.save.disabled = state.kept !== '';
     setText(this.save, state.kept ? 'Kept' : 'Keep it');
-    this.take.disabled = !state.sees_board || state.solving || state.result !== undefined;
+    this.take.hidden = state.result !== undefined;
+    this.take.disabled = !state.sees_board || state.solving;
   }
 
   private showParts(parts: number[]): void {
