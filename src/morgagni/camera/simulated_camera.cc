@@ -144,12 +144,17 @@ const RgbdCalibration& SimulatedCamera::calibration() const {
 }
 
 Eigen::Isometry3d SimulatedCamera::ct_from_camera(std::uint64_t frame_id) const {
-  if (impl_->options.path == SimulatedPath::kViews) return impl_->views.ct_from_camera(frame_id);
+  if (impl_->options.path == SimulatedPath::kViews) {
+    const std::uint64_t hold = impl_->options.frames_a_view;
+    return impl_->views.ct_from_camera(frame_id / hold, impl_->time_s(frame_id % hold));
+  }
   return impl_->path.ct_from_camera(impl_->time_s(frame_id));
 }
 
 std::shared_ptr<RgbdFrame> SimulatedCamera::draw(std::uint64_t frame_id) const {
-  const auto things = impl_->clutter ? impl_->clutter->at(frame_id, impl_->time_s(frame_id))
+  const bool is_views = impl_->options.path == SimulatedPath::kViews;
+  const std::uint64_t arrangement = is_views ? frame_id / impl_->options.frames_a_view : frame_id;
+  const auto things = impl_->clutter ? impl_->clutter->at(arrangement, impl_->time_s(frame_id))
                                      : internal::PaintedMesh{};
   auto picture = impl_->scene.draw(ct_from_camera(frame_id), things);
   if (impl_->bias) impl_->bias->apply(picture.depth.z_mm);

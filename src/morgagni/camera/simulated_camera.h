@@ -50,6 +50,9 @@ struct SimulatedCameraOptions {
                      ///< to the skin looked at, by default 500..1200 at random.
   SimulatedPath path = SimulatedPath::kOrbit;  ///< [path] orbit | sway | still | views | pass |
                                                ///< sweep.
+  /// [hold] 1..1000: with path=views a hand holds the camera at each place for so many frames and
+  /// drifts slowly, while the clutter stays as it is.
+  std::uint64_t frames_a_view = 1;
   SimulatedClutter clutter =
       SimulatedClutter::kNone;  ///< [clutter] none | hand | towel | parts | all.
   double bias_mm = 0.0;  ///< [bias] 0..20: systematic depth error, root mean square at 800 mm, of a

@@ -13,6 +13,7 @@ namespace {
 using internal::KeyValue;
 
 constexpr std::uint64_t kMaxFrames = 1'000'000'000;
+constexpr std::uint64_t kMaxFramesAView = 1000;
 constexpr double kMaxBiasMm = 20.0;
 constexpr double kMaxFocalErrorPercent = 5.0;
 constexpr double kMaxExposureSwing = 0.6;
@@ -35,6 +36,8 @@ Result<bool> set_camera(const KeyValue& pair, SimulatedCameraOptions& options) {
     MOR_TRY(const auto choice,
             internal::parse_choice(pair, {"orbit", "sway", "still", "views", "pass", "sweep"}));
     options.path = static_cast<SimulatedPath>(choice);
+  } else if (pair.key == "hold") {
+    MOR_TRY(options.frames_a_view, internal::parse_count(pair, 1, kMaxFramesAView));
   } else if (pair.key == "frames") {
     MOR_TRY(options.num_frames, internal::parse_count(pair, 0, kMaxFrames));
   } else if (pair.key == "speed") {
@@ -94,6 +97,7 @@ Result<SimulatedCameraOptions> SimulatedCameraOptions::parse(std::string_view te
                                   "fps",
                                   "distance",
                                   "path",
+                                  "hold",
                                   "clutter",
                                   "bias",
                                   "focal",
@@ -112,6 +116,9 @@ Result<void> SimulatedCameraOptions::check() const {
   if (!(frames_per_s >= 1.0 && frames_per_s <= 120.0)) return outside("fps", frames_per_s, 1, 120);
   if (distance_mm && !(*distance_mm >= 400.0 && *distance_mm <= 1500.0)) {
     return outside("distance", *distance_mm, 400, 1500);
+  }
+  if (frames_a_view < 1 || frames_a_view > kMaxFramesAView) {
+    return outside("hold", static_cast<double>(frames_a_view), 1, kMaxFramesAView);
   }
   if (!(bias_mm >= 0.0 && bias_mm <= kMaxBiasMm)) return outside("bias", bias_mm, 0, kMaxBiasMm);
   if (!(std::abs(focal_error_percent) <= kMaxFocalErrorPercent)) {

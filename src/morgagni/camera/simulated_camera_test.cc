@@ -197,6 +197,21 @@ TEST(SimulatedCamera, LooksFromAnotherPlaceInEveryFrameOfViews) {
   EXPECT_GT(num_on_skin, 600);
 }
 
+TEST(SimulatedCamera, HoldsAViewForAsManyFramesAsAsked) {
+  const auto brief = open({.path = SimulatedPath::kViews, .clutter = SimulatedClutter::kAll});
+  const auto held = open({.frames_per_s = 5.0,
+                          .path = SimulatedPath::kViews,
+                          .frames_a_view = 4,
+                          .clutter = SimulatedClutter::kAll});
+  for (const std::uint64_t view : {0, 1, 7}) {
+    EXPECT_TRUE(held->ct_from_camera(4 * view).isApprox(brief->ct_from_camera(view), 0.0));
+    const Eigen::Isometry3d moved =
+        held->ct_from_camera(4 * view).inverse() * held->ct_from_camera(4 * view + 3);
+    EXPECT_GT(moved.translation().norm(), 10.0);
+    EXPECT_LT(moved.translation().norm(), 100.0);
+  }
+}
+
 TEST(SimulatedCamera, GivesTheSameFrameInWhateverOrderItIsAsked) {
   const auto camera = open({.seed = 5, .width_px = 320, .height_px = 240});
   const auto first = camera->frame_at(3);

@@ -119,6 +119,26 @@ TEST(ViewPlaces, AreTheSameForTheSameSeedInWhateverOrder) {
   EXPECT_FALSE(ViewPlaces(skin, std::nullopt, 4).ct_from_camera(9).isApprox(later, 1e-3));
 }
 
+TEST(ViewPlaces, DriftInAHand) {
+  const auto skin = open_body();
+  const ViewPlaces views(skin, std::nullopt, 5);
+  int num_turned = 0;
+  for (std::uint64_t id = 0; id < 200; ++id) {
+    const auto first = views.ct_from_camera(id);
+    const Eigen::Isometry3d last = first.inverse() * views.ct_from_camera(id, 1.5);
+    ASSERT_NEAR(last.linear().determinant(), 1.0, 1e-9);
+    ASSERT_GT(last.translation().norm(), 49.9);
+    ASSERT_LT(last.translation().norm(), 100.1);
+    const double turn_rad = Eigen::AngleAxisd(last.linear()).angle();
+    ASSERT_LT(turn_rad, 0.37);
+    num_turned += turn_rad > 0.07 ? 1 : 0;
+    ASSERT_LT(off_axis_rad(*skin, views.ct_from_camera(id, 1.5)), 0.25);
+    const Eigen::Isometry3d soon = first.inverse() * views.ct_from_camera(id, 0.033);
+    ASSERT_LT(soon.translation().norm(), 1.0);
+  }
+  EXPECT_GT(num_turned, 150);
+}
+
 TEST(ViewPlaces, LookDownOnABodyThatNoRayMeets) {
   auto skin = std::make_shared<TriangleMesh>();
   skin->vertices = {{0, 0, 0}, {100, 0, 0}, {0, 0, 100}};

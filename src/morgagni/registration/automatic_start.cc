@@ -72,6 +72,13 @@ AutomaticStart::~AutomaticStart() = default;
 
 Result<AutomaticStartResult> AutomaticStart::find(ImageView<const std::uint16_t> depth_mm,
                                                   std::stop_token stop) const {
+  StartMemory none;
+  return find_next(depth_mm, none, std::move(stop));
+}
+
+Result<AutomaticStartResult> AutomaticStart::find_next(ImageView<const std::uint16_t> depth_mm,
+                                                       StartMemory& memory,
+                                                       std::stop_token stop) const {
   if (depth_mm.width() != impl_->depth_camera.width_px ||
       depth_mm.height() != impl_->depth_camera.height_px) {
     return make_error(
@@ -83,7 +90,16 @@ Result<AutomaticStartResult> AutomaticStart::find(ImageView<const std::uint16_t>
                     depth_mm.height()));
   }
   tbb::task_arena arena(impl_->num_threads);
-  return arena.execute([&] { return impl_->finder.find(depth_mm, stop); });
+  return arena.execute([&] { return impl_->finder.find(depth_mm, *memory.recall_, stop); });
+}
+
+StartMemory::StartMemory() : recall_(std::make_unique<internal::StartRecall>()) {}
+StartMemory::StartMemory(StartMemory&&) noexcept = default;
+StartMemory& StartMemory::operator=(StartMemory&&) noexcept = default;
+StartMemory::~StartMemory() = default;
+
+void StartMemory::forget() {
+  *recall_ = {};
 }
 
 }  // namespace mor

@@ -50,12 +50,34 @@ struct AutomaticStartResult {
   std::string reason;            ///< Why there is no start, in a sentence for people; else empty.
 };
 
+namespace internal {
+struct StartRecall;
+}
+
+/// What a search over several pictures keeps from one to the next: the last pictures, how the
+/// camera moved between them, and poses that are not yet believed.
+class StartMemory {
+ public:
+  StartMemory();
+  StartMemory(StartMemory&&) noexcept;
+  StartMemory& operator=(StartMemory&&) noexcept;
+  ~StartMemory();
+
+  /// Where the pictures that follow have nothing to do with those before.
+  void forget();
+
+ private:
+  friend class AutomaticStart;
+  std::unique_ptr<internal::StartRecall> recall_;
+};
+
 /// Finds the body in one depth picture: no landmarks, no placement, whatever the camera's place and
 /// roll. The body lies on a table: it is searched for on the picture's planes, or where gravity is
 /// known at all heights; the best poses are refined and verified by what the camera should and
 /// should not see there.
 ///
-/// No start is better than a wrong start: where the picture does not settle the pose it says so.
+/// No start is better than a wrong start: where the picture does not settle the pose it says so. A
+/// search may go on in the next picture, from another place, and then judges by all of them.
 class AutomaticStart {
  public:
   /// @param fixed  The CT's skin with its field. Shared, never changed.
@@ -74,6 +96,16 @@ class AutomaticStart {
   /// @cost See docs/automatic-start.md.
   [[nodiscard]] Result<AutomaticStartResult> find(ImageView<const std::uint16_t> depth_mm,
                                                   std::stop_token stop = {}) const;
+
+  /// The same in the next picture of a camera that moves on slowly, by some 50 mm and 6 degrees
+  /// from picture to picture at the most, while the body and what lies on it stay. A pose must
+  /// explain this picture and the up to four before it, together; where the camera's motion is not
+  /// clear, this picture alone counts, as in find().
+  /// @param memory  Of the pictures before; takes this one in. Empty for the first.
+  /// @threads One call at a time for a memory.
+  [[nodiscard]] Result<AutomaticStartResult> find_next(ImageView<const std::uint16_t> depth_mm,
+                                                       StartMemory& memory,
+                                                       std::stop_token stop = {}) const;
 
  private:
   struct Impl;

@@ -30,6 +30,11 @@ Vector3d draw_direction(Draws& draw) {
   return {level * std::cos(azimuth_rad), -up, level * std::sin(azimuth_rad)};
 }
 
+constexpr double kDriftPeriodS = 3.0;  ///< There and back.
+constexpr double kLeastDriftMm = 50.0;
+constexpr double kMostDriftMm = 100.0;
+constexpr double kMostDriftTurnRad = 5.0 * std::numbers::pi / 180.0;
+
 /// A camera at `eye` that looks along `forward`, turned about it by `roll_rad`.
 Eigen::Isometry3d looking(const Vector3d& eye, const Vector3d& forward, double roll_rad) {
   const Vector3d level = forward.unitOrthogonal();
@@ -40,6 +45,31 @@ Eigen::Isometry3d looking(const Vector3d& eye, const Vector3d& forward, double r
   ct_from_camera.linear().col(2) = forward;
   ct_from_camera.translation() = eye;
   return ct_from_camera;
+}
+
+/// `held` after a while in a hand: drifted about the point at `distance_mm` before the camera.
+Eigen::Isometry3d drifted(const Eigen::Isometry3d& held,
+                          double distance_mm,
+                          double held_s,
+                          Draws draw) {
+  const double up = draw(-1.0, 1.0);
+  const double azimuth_rad = draw(0.0, kTurnRad);
+  const double level = std::sqrt(1.0 - up * up);
+  const double share = 0.5 - 0.5 * std::cos(kTurnRad * held_s / kDriftPeriodS);
+  const Vector3d shift_mm =
+      share * draw(kLeastDriftMm, kMostDriftMm) *
+      Vector3d(level * std::cos(azimuth_rad), level * std::sin(azimuth_rad), up);
+  // The target stays in the middle; what the hand does not manage is the wandering after it.
+  const Vector3d to_target = Vector3d(0.0, 0.0, distance_mm) - shift_mm;
+  const Eigen::Quaterniond aim = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), to_target);
+  const auto wander_rad = [&] { return share * draw(-kMostDriftTurnRad, kMostDriftTurnRad); };
+  const double pan_rad = wander_rad();
+  const double tilt_rad = wander_rad();
+  const double roll_rad = wander_rad();
+  return held * Eigen::Translation3d(shift_mm) * aim *
+         Eigen::AngleAxisd(pan_rad, Vector3d::UnitY()) *
+         Eigen::AngleAxisd(tilt_rad, Vector3d::UnitX()) *
+         Eigen::AngleAxisd(roll_rad, Vector3d::UnitZ());
 }
 
 }  // namespace
@@ -83,8 +113,9 @@ std::optional<Vector3d> ViewPlaces::first_hit(const Vector3d& through,
   return (start + nearest_mm * ray).cast<double>();
 }
 
-Eigen::Isometry3d ViewPlaces::ct_from_camera(std::uint64_t frame_id) const {
-  Draws draw(scramble(scramble(seed_ ^ 0x5649455753U) ^ frame_id));
+Eigen::Isometry3d ViewPlaces::ct_from_camera(std::uint64_t view, double held_s) const {
+  const std::uint64_t counter = scramble(scramble(seed_ ^ 0x5649455753U) ^ view);
+  Draws draw(counter);
   const Vector3d half = 0.5 * kMiddleShare * bounds_.sizes();
   Vector3d to_camera = -Vector3d::UnitY();
   std::optional<Vector3d> seen;
@@ -98,8 +129,10 @@ Eigen::Isometry3d ViewPlaces::ct_from_camera(std::uint64_t frame_id) const {
   const auto aimed = looking(eye, -to_camera, draw(0.0, kTurnRad));
   const double pan_rad = draw(-kAimRad, kAimRad);
   const double tilt_rad = draw(-kAimRad, kAimRad);
-  return aimed * Eigen::AngleAxisd(pan_rad, Vector3d::UnitY()) *
-         Eigen::AngleAxisd(tilt_rad, Vector3d::UnitX());
+  const Eigen::Isometry3d held = aimed * Eigen::AngleAxisd(pan_rad, Vector3d::UnitY()) *
+                                 Eigen::AngleAxisd(tilt_rad, Vector3d::UnitX());
+  if (held_s <= 0.0) return held;
+  return drifted(held, distance_mm, held_s, Draws(scramble(counter + 1)));
 }
 
 }  // namespace mor::internal

@@ -14,7 +14,6 @@
 #include "morgagni/geometry/rigid.h"
 #include "morgagni/registration/internal/sensor_points.h"
 #include "morgagni/registration/internal/start_decision.h"
-#include "morgagni/registration/internal/start_mirror.h"
 #include "morgagni/registration/internal/start_refinement.h"
 
 namespace mor::internal {
@@ -25,15 +24,23 @@ constexpr SearchEffort kFirstEffort{.max_searched = 100, .max_refined = 20, .max
 constexpr SearchEffort kSecondEffort{.max_searched = 400, .max_refined = 60, .max_verified = 16};
 constexpr StartVolumeOptions kCoarseVolume{.nodes_along_body = 48.0F, .reach_nodes = 2.5F};
 constexpr StartVolumeOptions kFineVolume{.nodes_along_body = 96.0F, .reach_nodes = 2.5F};
-constexpr double kSameShare = 0.08;  ///< Of the extent: poses that put the body this near are one.
 constexpr double kFloatingCost = 2.0;
-constexpr float kLookToleranceMm = 1.0F;
 constexpr double kNearbyShift = 0.04;  ///< Of the extent.
 constexpr double kNearbyTurnRad = 0.1;
 constexpr float kMostBelowTable = 0.05F;  ///< Of the readings.
 constexpr std::size_t kLeastPoints = 60;
+constexpr std::size_t kMostRecalled = 12;
+constexpr std::size_t kMostSharpened = 4;
 
 }  // namespace
+
+RefinementRound close_round(float noise_mm) {
+  return {0.6F * noise_mm + 0.6F, noise_mm + 1.0F, true, 8};
+}
+
+float StartFinder::noise_at(const Eigen::Isometry3d& ct_from_depth) const {
+  return axial_noise_mm(static_cast<float>((ct_from_depth.inverse() * bounds_.center()).z()));
+}
 
 StartFinder::StartFinder(std::shared_ptr<const FixedSurface> fixed,
                          const PinholeCamera& depth_camera,
@@ -90,8 +97,7 @@ void StartFinder::refine(const StartPicture& picture,
   tbb::parallel_for(std::size_t{0}, findings.size(), [&](std::size_t i) {
     if (stop.stop_requested()) return;
     Eigen::Isometry3d& pose = findings[i].ct_from_depth;
-    const auto distance_mm = static_cast<float>((pose.inverse() * bounds_.center()).z());
-    const float noise_mm = axial_noise_mm(distance_mm);
+    const float noise_mm = noise_at(pose);
     const Eigen::Vector3d up_ct = pose.linear() * scene.plane.normal.cast<double>();
     if (scene.plane.is_supposed) {
       // Its height is off by up to half the step between supposed planes.
@@ -136,13 +142,48 @@ void StartFinder::verify(const StartPicture& picture,
   keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
 }
 
+/// Brings the best findings to where bare skin fits very closely, if that is worth more: a towel a
+/// few millimetres above skin draws a pose that is let to look farther.
+void StartFinder::sharpen(const StartPicture& picture,
+                          const std::vector<StartPlane>& planes,
+                          std::vector<StartFinding>& findings,
+                          const std::stop_token& stop) const {
+  const std::size_t count = std::min(findings.size(), kMostSharpened);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    StartFinding& finding = findings[i];
+    const float noise_mm = noise_at(finding.ct_from_depth);
+    // Straight from the plane's place as well: the wider rounds may have left the right dip.
+    const Eigen::Isometry3d narrow =
+        refine_on_plane(fixed_->field,
+                        finding.scene->even,
+                        finding.on_plane,
+                        {finding.up_ct, 0.5, 0.003},
+                        {2.0F * noise_mm + 1.0F, 3.0F * noise_mm + 2.0F, true, 8});
+    const std::array<Eigen::Isometry3d, 2> starts{finding.ct_from_depth, narrow};
+    for (const auto& start : starts) {
+      if (stop.stop_requested()) return;
+      const Eigen::Isometry3d pose = refine_on_plane(fixed_->field,
+                                                     finding.scene->even,
+                                                     start,
+                                                     {finding.up_ct, 3.0, 0.02},
+                                                     close_round(noise_mm));
+      const auto agreement = verifier_.look(picture, planes, pose, kLookToleranceMm);
+      if (believed_evidence(agreement) <= finding.score) continue;
+      finding.ct_from_depth = pose;
+      finding.agreement = agreement;
+      finding.score = believed_evidence(agreement);
+    }
+  });
+  keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
+}
+
 /// Refines the best finding from places around it as well: a towel beside bare skin makes a second
 /// dip near the right one.
 void StartFinder::search_nearby(const StartPicture& picture,
                                 const std::vector<StartPlane>& planes,
                                 StartFinding& best,
                                 const std::stop_token& stop) const {
-  const Eigen::Vector3d up = best.on_plane.linear() * best.scene->plane.normal.cast<double>();
+  const Eigen::Vector3d& up = best.up_ct;
   const Eigen::Vector3d along = up.unitOrthogonal();
   const Eigen::Vector3d across = up.cross(along);
   const double shift_mm = kNearbyShift * extent_mm_;
@@ -173,25 +214,6 @@ void StartFinder::search_nearby(const StartPicture& picture,
   }
 }
 
-/// The believed evidence for the CT's mirror image near the finding.
-double StartFinder::mirrored_evidence(const StartPicture& picture,
-                                      const std::vector<StartPlane>& planes,
-                                      const StartFinding& finding) const {
-  const StartPicture other_picture = mirrored(picture);
-  const auto other_planes = mirrored(planes);
-  const PointCloud other_points = mirrored(finding.scene->full);
-  const Eigen::Isometry3d start = mirrored(finding.ct_from_depth, bounds_.center());
-  double best = 0.0;
-  for (const auto quality : {StartQuality::kRough, StartQuality::kTracked}) {
-    const auto fine = fine_.align(other_points, start, quality);
-    if (!fine) continue;
-    best = std::max(best,
-                    believed_evidence(verifier_.look(
-                        other_picture, other_planes, fine->fixed_from_moving, kLookToleranceMm)));
-  }
-  return best;
-}
-
 Result<std::vector<StartFinding>> StartFinder::find_on(
     const StartPicture& picture,
     const std::vector<StartPlane>& planes,
@@ -212,37 +234,19 @@ Result<std::vector<StartFinding>> StartFinder::find_on(
     findings.insert(findings.end(), found.begin(), found.end());
     if (stop.stop_requested()) return cancelled();
   }
-  for (auto& finding : findings) finding.scene = scene;
+  for (auto& finding : findings) {
+    finding.scene = scene;
+    finding.up_ct = finding.on_plane.linear() * scene->plane.normal.cast<double>();
+  }
   verify(picture, planes, findings, stop);
+  if (settles(findings)) return findings;
+  sharpen(picture, planes, findings, stop);
   if (!findings.empty() && !settles(findings)) {
     search_nearby(picture, planes, findings[0], stop);
     keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
   }
   if (stop.stop_requested()) return cancelled();
   return findings;
-}
-
-AutomaticStartResult StartFinder::decide(const StartPicture& picture,
-                                         const std::vector<StartPlane>& planes,
-                                         const std::vector<StartFinding>& findings) const {
-  AutomaticStartResult result;
-  if (findings.empty()) {
-    result.reason = "nothing that could be a body stands on a plane of the picture";
-    return result;
-  }
-  const StartFinding& best = findings[0];
-  const double num_open = best.agreement.num_seen - best.agreement.num_hidden;
-  result.ct_from_depth = best.ct_from_depth;
-  result.score = num_open > 0.0 ? best.agreement.num_agree / num_open : 0.0;
-  result.runner_up_score = result.score * runner_up_share(findings);
-  StartCase start{best.agreement, runner_up_share(findings)};
-  if (margin(start.look, start.runner_up_share) >= 0.0) {
-    start.mirrored_share = mirrored_evidence(picture, planes, best) / best.score;
-  }
-  StartVerdict verdict = decide_start(start);
-  result.status = verdict.status;
-  result.reason = std::move(verdict.reason);
-  return result;
 }
 
 /// Where the table may be, if gravity is known and nothing level is seen at such heights.
@@ -281,25 +285,58 @@ Result<void> StartFinder::find_on_each(const StartPicture& picture,
   return {};
 }
 
-Result<std::vector<StartFinding>> StartFinder::find_all(const StartPicture& picture,
-                                                        const std::vector<StartPlane>& planes,
-                                                        const std::stop_token& stop) const {
-  std::vector<StartFinding> findings;
-  MOR_CHECK(find_on_each(picture, planes, planes, kFirstEffort, findings, stop));
-  if (passes(findings)) return findings;
-  MOR_CHECK(find_on_each(
-      picture, planes, tables_not_seen(picture, planes), kFirstEffort, findings, stop));
-  if (passes(findings)) return findings;
-  MOR_CHECK(find_on_each(picture, planes, planes, kSecondEffort, findings, stop));
+Result<StartFinder::Findings> StartFinder::find_all(const StartRecall& recall,
+                                                    const std::stop_token& stop) const {
+  const StartPicture& picture = recall.views.newest().picture;
+  const auto& seen = recall.views.newest().planes;
+  Findings findings;
+  const auto search = [&](const std::vector<StartPlane>& planes,
+                          const SearchEffort& effort) -> Result<bool> {
+    MOR_CHECK(find_on_each(picture, seen, planes, effort, findings.here, stop));
+    if (!recall.views.are_several()) return passes(findings.here);
+    auto all = recall.findings;
+    all.insert(all.end(), findings.here.begin(), findings.here.end());
+    findings.together = judge_together(recall.views, std::move(all));
+    return passes(findings.together);
+  };
+  MOR_TRY(bool is_found, search(seen, kFirstEffort));
+  if (is_found) return findings;
+  const auto not_seen = tables_not_seen(picture, seen);
+  if (!not_seen.empty()) {
+    MOR_TRY(is_found, search(not_seen, kFirstEffort));
+    if (is_found) return findings;
+  }
+  MOR_CHECK(search(seen, kSecondEffort));
   return findings;
 }
 
 Result<AutomaticStartResult> StartFinder::find(ImageView<const std::uint16_t> depth_mm,
+                                               StartRecall& recall,
                                                const std::stop_token& stop) const {
-  const StartPicture picture = picture_of(depth_mm);
-  const auto planes = planes_of(picture);
-  MOR_TRY(const auto findings, find_all(picture, planes, stop));
-  return decide(picture, planes, findings);
+  StartPicture picture = maker_.make(depth_mm, static_cast<float>(options_.max_distance_mm));
+  auto planes = planes_of(picture);
+  const auto last_from_newest =
+      recall.views.add(std::move(picture), std::move(planes), extent_mm_);
+  if (!last_from_newest) recall.findings.clear();
+  for (auto& finding : recall.findings) {
+    finding.ct_from_depth = finding.ct_from_depth * *last_from_newest;
+    finding.on_plane = finding.on_plane * *last_from_newest;
+  }
+  auto findings = find_all(recall, stop);
+  if (!findings) {
+    recall = {};  // Poses and pictures must belong together.
+    return tl::unexpected<Error>(findings.error());
+  }
+  auto result = decide(recall.views, findings->judged());
+  if (result.status != AutomaticStartStatus::kFound && passes(findings->here)) {
+    // What came before does not bear out what this picture alone would settle: begin anew here.
+    if (recall.views.are_several()) recall.views.forget_earlier();
+    recall.findings = std::move(findings->here);
+  } else {
+    recall.findings = findings->judged();
+  }
+  recall.findings.resize(std::min(recall.findings.size(), kMostRecalled));
+  return result;
 }
 
 }  // namespace mor::internal

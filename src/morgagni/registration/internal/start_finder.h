@@ -11,12 +11,21 @@
 #include "morgagni/registration/internal/field_registration.h"
 #include "morgagni/registration/internal/start_finding.h"
 #include "morgagni/registration/internal/start_picture.h"
+#include "morgagni/registration/internal/start_refinement.h"
 #include "morgagni/registration/internal/start_scene.h"
 #include "morgagni/registration/internal/start_search.h"
 #include "morgagni/registration/internal/start_verification.h"
+#include "morgagni/registration/internal/start_views.h"
 #include "morgagni/registration/internal/start_volume.h"
 
 namespace mor::internal {
+
+inline constexpr float kLookToleranceMm = 1.0F;
+/// Of the extent: poses that put the body this near to one another are one.
+inline constexpr double kSameShare = 0.08;
+
+/// How far evened readings may lie from the skin, where a single one's noise is `noise_mm`.
+[[nodiscard]] RefinementRound close_round(float noise_mm);
 
 /// How many hypotheses of a plane are followed.
 struct SearchEffort {
@@ -32,23 +41,10 @@ class StartFinder {
               const PinholeCamera& depth_camera,
               const AutomaticStartOptions& options);
 
+  /// @param recall  Of the pictures before, if any; takes this one in.
   [[nodiscard]] Result<AutomaticStartResult> find(ImageView<const std::uint16_t> depth_mm,
+                                                  StartRecall& recall,
                                                   const std::stop_token& stop) const;
-
-  /// The best poses on all planes of the picture, each verified, best first.
-  [[nodiscard]] Result<std::vector<StartFinding>> find_all(const StartPicture& picture,
-                                                           const std::vector<StartPlane>& planes,
-                                                           const std::stop_token& stop) const;
-  [[nodiscard]] AutomaticStartResult decide(const StartPicture& picture,
-                                            const std::vector<StartPlane>& planes,
-                                            const std::vector<StartFinding>& findings) const;
-  [[nodiscard]] double mirrored_evidence(const StartPicture& picture,
-                                         const std::vector<StartPlane>& planes,
-                                         const StartFinding& finding) const;
-  [[nodiscard]] StartPicture picture_of(ImageView<const std::uint16_t> depth_mm) const {
-    return maker_.make(depth_mm, static_cast<float>(options_.max_distance_mm));
-  }
-  [[nodiscard]] std::vector<StartPlane> planes_of(const StartPicture& picture) const;
 
  private:
   /// The body's volumes for one side that it may lie on.
@@ -56,6 +52,36 @@ class StartFinder {
     StartVolume coarse;
     StartVolume fine;
   };
+
+  /// What the searches in one picture have found.
+  struct Findings {
+    std::vector<StartFinding> here;      ///< By this picture alone, best first.
+    std::vector<StartFinding> together;  ///< By all pictures, best first; empty for the first.
+
+    [[nodiscard]] const std::vector<StartFinding>& judged() const {
+      return together.empty() ? here : together;
+    }
+  };
+
+  /// Of a reading where the pose puts the body.
+  [[nodiscard]] float noise_at(const Eigen::Isometry3d& ct_from_depth) const;
+  [[nodiscard]] std::vector<StartPlane> planes_of(const StartPicture& picture) const;
+  /// The best poses on all planes of the newest picture, each verified.
+  [[nodiscard]] Result<Findings> find_all(const StartRecall& recall,
+                                          const std::stop_token& stop) const;
+  [[nodiscard]] AutomaticStartResult decide(const SeenViews& views,
+                                            const std::vector<StartFinding>& findings) const;
+  /// What the pictures say of the best of these poses together, best first.
+  [[nodiscard]] std::vector<StartFinding> judge_together(const SeenViews& views,
+                                                         std::vector<StartFinding> findings) const;
+  void refine_together(const SeenViews& views,
+                       const PointCloud& standing,
+                       StartFinding& finding) const;
+  [[nodiscard]] SkinAgreement glance_at(const SeenViews& views,
+                                        const Eigen::Isometry3d& ct_from_depth) const;
+  [[nodiscard]] SkinAgreement look_at(const SeenViews& views,
+                                      const Eigen::Isometry3d& ct_from_depth) const;
+  [[nodiscard]] double mirrored_share(const SeenViews& views, const StartFinding& finding) const;
 
   [[nodiscard]] Result<std::vector<StartFinding>> find_on(
       const StartPicture& picture,
@@ -83,6 +109,10 @@ class StartFinder {
               const std::vector<StartPlane>& planes,
               std::vector<StartFinding>& findings,
               const std::stop_token& stop) const;
+  void sharpen(const StartPicture& picture,
+               const std::vector<StartPlane>& planes,
+               std::vector<StartFinding>& findings,
+               const std::stop_token& stop) const;
   void search_nearby(const StartPicture& picture,
                      const std::vector<StartPlane>& planes,
                      StartFinding& best,

@@ -12,6 +12,7 @@ StartPicture mirrored(const StartPicture& picture) {
   for (int y = 0; y < picture.z_mm.height(); ++y) {
     for (int x = 0; x <= last; ++x) other.z_mm(x, y) = picture.z_mm(last - x, y);
   }
+  other.even_mm = evened(other.z_mm);
   other.camera.center_x_px = last - picture.camera.center_x_px;
   return other;
 }

@@ -16,6 +16,7 @@ constexpr int kSmallWidthPx = 320;
 constexpr int kMaxBlock = 6;
 /// Readings of one block farther apart than this share of their distance lie on two surfaces.
 constexpr float kBlockReach = 0.015F;
+constexpr float kSurfaceReach = 0.012F;  ///< Likewise, of neighbours within 2 px.
 constexpr int kMinNormalPoints = 6;
 
 }  // namespace
@@ -60,6 +61,32 @@ std::optional<Eigen::Vector3f> StartPicture::normal(int x, int y, float radius_m
   return -normal / norm;
 }
 
+Image<float> evened(const Image<float>& z_mm) {
+  constexpr int kReach = 2;
+  Image<float> even_mm = z_mm;
+  for (int y = kReach; y + kReach < z_mm.height(); ++y) {
+    for (int x = kReach; x + kReach < z_mm.width(); ++x) {
+      const float z = z_mm(x, y);
+      if (z <= 0.0F) continue;
+      float sum = z;
+      float count = 1.0F;
+      for (int v = 0; v <= kReach; ++v) {
+        for (int u = v == 0 ? 1 : -kReach; u <= kReach; ++u) {
+          const float one = z_mm(x + u, y + v);
+          const float other = z_mm(x - u, y - v);
+          if (std::abs(one - z) > kSurfaceReach * z || std::abs(other - z) > kSurfaceReach * z) {
+            continue;
+          }
+          sum += one + other;
+          count += 2.0F;
+        }
+      }
+      even_mm(x, y) = sum / count;
+    }
+  }
+  return even_mm;
+}
+
 StartPictureMaker::StartPictureMaker(const PinholeCamera& depth_camera) {
   side_ = std::clamp(
       static_cast<int>(std::lround(depth_camera.width_px / static_cast<double>(kSmallWidthPx))),
@@ -89,8 +116,8 @@ StartPictureMaker::StartPictureMaker(const PinholeCamera& depth_camera) {
 }
 
 StartPicture StartPictureMaker::make(ImageView<const std::uint16_t> depth_mm, float max_mm) const {
-  StartPicture picture{small_camera_,
-                       Image<float>(small_camera_.width_px, small_camera_.height_px)};
+  StartPicture picture{
+      small_camera_, Image<float>(small_camera_.width_px, small_camera_.height_px), {}};
   std::array<float, kMaxBlock * kMaxBlock> readings{};
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const Block& block = blocks_[i];
@@ -117,6 +144,7 @@ StartPicture StartPictureMaker::make(ImageView<const std::uint16_t> depth_mm, fl
     }
     picture.z_mm.data()[i] = sum / num;
   }
+  picture.even_mm = evened(picture.z_mm);
   return picture;
 }
 

@@ -17,8 +17,13 @@ namespace mor::internal {
 struct StartPicture {
   PinholeCamera camera;  ///< Without distortion.
   Image<float> z_mm;     ///< 0: no reading.
+  /// The same, each the mean of the readings around it on its surface: a fifth of the noise.
+  Image<float> even_mm;
 
   [[nodiscard]] Eigen::Vector3f point(int x, int y) const { return point_at(x, y, z_mm(x, y)); }
+  [[nodiscard]] Eigen::Vector3f even_point(int x, int y) const {
+    return point_at(x, y, even_mm(x, y));
+  }
   /// What a pixel sees at depth `z`.
   [[nodiscard]] Eigen::Vector3f point_at(int x, int y, float z) const {
     return {z * (static_cast<float>(x) - static_cast<float>(camera.center_x_px)) /
@@ -32,6 +37,10 @@ struct StartPicture {
   /// the picture. None where they are few.
   [[nodiscard]] std::optional<Eigen::Vector3f> normal(int x, int y, float radius_mm) const;
 };
+
+/// The mean of the readings in 5x5 pixels around each that lie on the same surface. In pairs about
+/// the middle, so that a slope adds nothing.
+[[nodiscard]] Image<float> evened(const Image<float>& z_mm);
 
 /// Makes such pictures; what depends on the camera alone is computed once.
 class StartPictureMaker {

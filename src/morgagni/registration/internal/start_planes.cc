@@ -13,6 +13,8 @@
 namespace mor::internal {
 namespace {
 
+constexpr float kLargePlane = 0.12F;  ///< Share of the picture's surface.
+
 constexpr std::size_t kMaxPlanes = 4;
 constexpr float kMinShare = 0.02F;
 constexpr int kNumSamplesWide = 54;      ///< A row of samples.
@@ -113,6 +115,14 @@ std::vector<StartPlane> find_planes(const StartPicture& picture,
     return a.share > b.share;
   });
   return planes;
+}
+
+bool is_in_large_plane(const std::vector<StartPlane>& planes,
+                       const Eigen::Vector3f& p,
+                       float reach_mm) {
+  return std::any_of(planes.begin(), planes.end(), [&](const StartPlane& plane) {
+    return plane.share >= kLargePlane && std::abs(plane.height_mm(p)) < reach_mm;
+  });
 }
 
 float share_below(const StartPicture& picture, const StartPlane& plane, float reach_mm) {

@@ -29,6 +29,11 @@ struct StartPlane {
 [[nodiscard]] std::vector<StartPlane> find_planes(const StartPicture& picture,
                                                   const std::optional<Eigen::Vector3f>& up);
 
+/// Whether a point of the picture is within `reach_mm` of a plane that much of the picture lies in.
+[[nodiscard]] bool is_in_large_plane(const std::vector<StartPlane>& planes,
+                                     const Eigen::Vector3f& p,
+                                     float reach_mm);
+
 /// Of the picture's readings, those up to `reach_mm` below the plane, 0..1.
 [[nodiscard]] float share_below(const StartPicture& picture,
                                 const StartPlane& plane,

@@ -15,6 +15,7 @@ namespace {
 constexpr std::size_t kSearchPoints = 600;
 constexpr std::size_t kRoughPoints = 1500;
 constexpr std::size_t kFullPoints = 5000;
+constexpr std::size_t kStandingPoints = 2500;
 constexpr float kLeastHeightMm = 6.0F;
 constexpr float kLeastHeightNoises = 2.0F;
 /// How much higher than the body a point may be: a table found too low, a cushion.
@@ -60,12 +61,13 @@ std::vector<Pixel> spread(const StartPicture& picture,
 
 PointCloud cloud_of(const StartPicture& picture,
                     const std::vector<Pixel>& pixels,
-                    float normal_radius_mm) {
+                    float normal_radius_mm,
+                    bool is_even = false) {
   PointCloud cloud;
   for (const auto& [x, y] : pixels) {
     const auto normal = picture.normal(x, y, normal_radius_mm);
     if (!normal) continue;
-    cloud.points.push_back(picture.point(x, y));
+    cloud.points.push_back(is_even ? picture.even_point(x, y) : picture.point(x, y));
     cloud.normals.push_back(*normal);
   }
   return cloud;
@@ -109,6 +111,7 @@ StartScene make_scene(const StartPicture& picture,
   const float normal_radius_mm = kNormalRadius * body_extent_mm;
   const auto full = spread(picture, pixels, kFullPoints, body_extent_mm / 150.0F);
   scene.full = cloud_of(picture, full, normal_radius_mm);
+  scene.even = cloud_of(picture, full, normal_radius_mm, true);
   scene.rough = cloud_of(
       picture, spread(picture, full, kRoughPoints, body_extent_mm / 50.0F), normal_radius_mm);
   const auto few = spread(picture, full, kSearchPoints, body_extent_mm / 30.0F);
@@ -120,6 +123,25 @@ StartScene make_scene(const StartPicture& picture,
   for (const auto& [x, y] : few) scene.search_points.push_back(pose * picture.point(x, y));
   for (const auto& [x, y] : full) scene.dense_points.push_back(pose * picture.point(x, y));
   return scene;
+}
+
+PointCloud standing_points(const StartPicture& picture,
+                           const std::vector<StartPlane>& planes,
+                           float body_extent_mm) {
+  std::vector<Pixel> pixels;
+  for (int y = 0; y < picture.z_mm.height(); ++y) {
+    for (int x = 0; x < picture.z_mm.width(); ++x) {
+      const float z = picture.z_mm(x, y);
+      if (z <= 0.0F) continue;
+      const float reach_mm = kLeastHeightMm + kLeastHeightNoises * axial_noise_mm(z);
+      if (is_in_large_plane(planes, picture.point(x, y), reach_mm)) continue;
+      pixels.push_back({static_cast<std::int16_t>(x), static_cast<std::int16_t>(y)});
+    }
+  }
+  return cloud_of(picture,
+                  spread(picture, pixels, kStandingPoints, body_extent_mm / 100.0F),
+                  kNormalRadius * body_extent_mm,
+                  true);
 }
 
 }  // namespace mor::internal

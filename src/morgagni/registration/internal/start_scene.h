@@ -22,6 +22,7 @@ struct StartScene {
   std::vector<Eigen::Vector3f> dense_points;   ///< Thousands, frame table.
   PointCloud rough;                            ///< Some hundreds, frame depth, with normals.
   PointCloud full;                             ///< Some thousands.
+  PointCloud even;                             ///< The same, each the mean around it.
 };
 
 /// @param body_height_mm  What rises much higher above the plane is not the body.
@@ -30,5 +31,10 @@ struct StartScene {
                                     const StartPlane& plane,
                                     float body_height_mm,
                                     float body_extent_mm);
+
+/// What is seen and lies in none of the large planes, spread evenly, frame depth.
+[[nodiscard]] PointCloud standing_points(const StartPicture& picture,
+                                         const std::vector<StartPlane>& planes,
+                                         float body_extent_mm);
 
 }  // namespace mor::internal

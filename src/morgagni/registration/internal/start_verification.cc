@@ -21,7 +21,6 @@ namespace {
 
 constexpr float kGlanceFacing = 0.3F;
 constexpr float kSpacing = 1.0F / 36.0F;  ///< Of the skin's points, of the body's extent.
-constexpr float kLargePlane = 0.12F;      ///< Share of the picture's surface.
 constexpr float kInPlaneMm = 3.0F;
 constexpr float kNoises = 2.0F;
 constexpr float kWellMeasured = 0.6F;  ///< Misfit in tolerances.
@@ -38,14 +37,6 @@ float nearest_reading(const StartPicture& picture, int x, int y, float z) {
     }
   }
   return nearest;
-}
-
-bool is_in_large_plane(const std::vector<StartPlane>& planes,
-                       const Eigen::Vector3f& p,
-                       float reach_mm) {
-  return std::any_of(planes.begin(), planes.end(), [&](const StartPlane& plane) {
-    return plane.share >= kLargePlane && std::abs(plane.height_mm(p)) < reach_mm;
-  });
 }
 
 void judge(float reading, float expected, float tolerance_mm, SkinAgreement& agreement) {
@@ -113,6 +104,25 @@ class HoldingSkin {
 };
 
 }  // namespace
+
+SkinAgreement pooled(const std::vector<SkinAgreement>& looks) {
+  SkinAgreement all;
+  double sum_uneven_mm2 = 0.0;
+  for (const auto& look : looks) {
+    all.num_seen += look.num_seen;
+    all.num_agree += look.num_agree;
+    all.num_floating += look.num_floating;
+    all.num_hidden += look.num_hidden;
+    all.num_patches += look.num_patches;
+    sum_uneven_mm2 += look.num_patches * look.uneven_mm * look.uneven_mm;
+    if (look.area_share * look.firmness > all.area_share * all.firmness) {
+      all.area_share = look.area_share;
+      all.firmness = look.firmness;
+    }
+  }
+  if (all.num_patches > 0.0) all.uneven_mm = std::sqrt(sum_uneven_mm2 / all.num_patches);
+  return all;
+}
 
 StartVerifier::StartVerifier(std::shared_ptr<const FixedSurface> fixed, float body_extent_mm)
     : fixed_(std::move(fixed)) {

@@ -28,6 +28,10 @@ struct SkinAgreement {
   double uneven_mm = 0.0;
 };
 
+/// What several pictures say of one pose: counts add up; of how firmly the skin holds it, what the
+/// best of them says.
+[[nodiscard]] SkinAgreement pooled(const std::vector<SkinAgreement>& looks);
+
 /// Holds poses against the picture from the CT's side: is the skin where the camera should see it?
 class StartVerifier {
  public:
