@@ -37,6 +37,7 @@ struct Arguments {
 };
 
 constexpr std::size_t kMaxViews = 100000;
+constexpr std::size_t kMaxFrames = 100;
 
 /// As in a mirror: left is right.
 std::shared_ptr<const TriangleMesh> mirrored(const TriangleMesh& mesh) {
@@ -57,12 +58,18 @@ std::shared_ptr<const TriangleMesh> scene_of(const Arguments& arguments, const C
 }
 
 StartReport evaluate_simulated(const Arguments& arguments, const Case& body) {
-  const auto camera = value_or_exit(SimulatedCamera::create(
-      scene_of(arguments, body), value_or_exit(simulated_camera_option(arguments.camera))));
+  const std::size_t num_frames = arguments.options.frames_a_view;
+  auto options = value_or_exit(simulated_camera_option(arguments.camera));
+  if (num_frames > 1) {
+    options.frames_a_view = num_frames;
+    options.frames_per_s = 1e3 / arguments.options.frame_period_ms;
+  }
+  const auto camera = value_or_exit(SimulatedCamera::create(scene_of(arguments, body), options));
   const bool is_other = arguments.mirrors || !arguments.other_folder.empty();
-  const auto views = [&](std::size_t i) -> Result<StartView> {
-    StartView view{camera->frame_at(i), std::nullopt};
-    if (!is_other) view.ct_from_depth = camera->ct_from_camera(i);
+  const auto views = [&](std::size_t i, std::size_t frame) -> Result<StartView> {
+    const std::size_t id = i * num_frames + frame;
+    StartView view{camera->frame_at(id), std::nullopt};
+    if (!is_other) view.ct_from_depth = camera->ct_from_camera(id);
     return view;
   };
   return value_or_exit(evaluate_starts(
@@ -82,7 +89,7 @@ StartReport evaluate_recorded(const Arguments& arguments, const Case& body) {
   for (std::size_t i = 0; i < recording.size() && known.size() < arguments.num_views; ++i) {
     if (truth_at(truth.poses, recording.timestamp_s(i))) known.push_back(i);
   }
-  const auto views = [&](std::size_t i) -> Result<StartView> {
+  const auto views = [&](std::size_t i, std::size_t /*frame*/) -> Result<StartView> {
     MOR_TRY(auto frame, recording.read(known[i]));
     return StartView{depth_corrected(std::move(frame)),
                      *truth_at(truth.poses, recording.timestamp_s(known[i]))};
@@ -136,6 +143,14 @@ void add_evaluate_starts_command(CLI::App& evaluate_app) {
   command->add_option("--views", arguments->num_views, "How many, each a start of its own")
       ->capture_default_str()
       ->check(CLI::Range(std::size_t{1}, kMaxViews));
+  command
+      ->add_option("--frames",
+                   options.frames_a_view,
+                   "Pictures that each start may take, 0.2 s apart: a hand holds the simulated "
+                   "camera at each view and drifts by 50 to 100 mm in 1.5 s")
+      ->capture_default_str()
+      ->check(CLI::Range(std::size_t{1}, kMaxFrames))
+      ->excludes(recording);
   command->add_option("--threads", options.start.num_threads, "Of the automatic start")
       ->capture_default_str();
   command->add_flag("--gravity", options.knows_gravity, "The camera knows which way is down");

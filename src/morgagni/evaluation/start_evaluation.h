@@ -25,6 +25,10 @@ struct StartEvaluationOptions {
   AutomaticStartOptions start = {};
   BodySurfaceOptions depth = {.far_mm = 2000.0};  ///< Of the fine registration after the start.
   bool knows_gravity = false;  ///< Each picture comes with the true direction of gravity, CT +y.
+  /// Pictures of a moving camera that a start may take, one after the other, until one is found;
+  /// 1..100.
+  std::size_t frames_a_view = 1;
+  double frame_period_ms = 200.0;  ///< From one such picture to the next; > 0.
   double right_mm = 5.0;   ///< A found pose this near to the truth is right: at the skin's centre
   double right_deg = 3.0;  ///< and in rotation.
   double wrong_tre_mm = 15.0;  ///< One with a larger target registration error is wrong.
@@ -37,12 +41,13 @@ struct StartView {
   std::shared_ptr<const RgbdFrame> frame;
   std::optional<Eigen::Isometry3d> ct_from_depth;
 };
-/// View `index` of those to be evaluated.
-using StartViews = std::function<Result<StartView>(std::size_t index)>;
+/// Picture `frame` of view `index` of those to be evaluated.
+using StartViews = std::function<Result<StartView>(std::size_t index, std::size_t frame)>;
 
 /// One automatic start.
 struct StartRun {
   std::size_t view = 0;
+  std::size_t num_frames = 0;  ///< Pictures it took. The rest is of the last of them.
   AutomaticStartResult result;
   bool is_other_body = false;  ///< Then the next five mean nothing.
   double shift_mm = 0.0;       ///< Of the skin's centre from where it is, whether found or refused.
@@ -52,8 +57,9 @@ struct StartRun {
   double bare_share = 0.0;
   std::optional<double> fine_tre_mm;  ///< After fine registration; none for a refused start.
   bool is_right = false;              ///< Found, and near the truth as the options say.
-  double wall_ms = 0.0;
-  double cpu_ms = 0.0;  ///< Of all the process's threads.
+  double wall_ms = 0.0;               ///< Sum over its pictures.
+  double cpu_ms = 0.0;                ///< Likewise, of all the process's threads.
+  double until_ms = 0.0;  ///< From the first picture to the end, waiting for pictures included.
 };
 
 struct StartReport {
@@ -69,11 +75,15 @@ struct StartReport {
   Summary fine_tre_mm;
   Summary wall_ms;  ///< Over all.
   Summary cpu_ms;
+  Summary until_ms;  ///< Over the found.
+  std::vector<int> num_right_by_frame =
+      {};  ///< Of those right, how many within 1, 2, ... pictures.
   std::vector<StartRun> runs;
 };
 
-/// Starts on every view, each for itself, and holds the poses against the truth. Targets are a
-/// hundred points spread over the skin and a hundred halfway between them and its centre.
+/// Starts on every view, each for itself, with as many of its pictures as it needs and may take,
+/// and holds the poses against the truth. Targets are a hundred points spread over the skin and a
+/// hundred halfway between them and its centre.
 /// @errors kInvalidArgument: bad options, no view, a case without field; whatever a view reports.
 [[nodiscard]] Result<StartReport> evaluate_starts(const StartViews& views,
                                                   std::size_t num_views,

@@ -38,7 +38,7 @@ std::unique_ptr<SimulatedCamera> camera_over(const std::shared_ptr<const FixedSu
 }
 
 StartViews views_of(const SimulatedCamera& camera, const Eigen::Isometry3d& truth_error) {
-  return [&camera, truth_error](std::size_t i) -> Result<StartView> {
+  return [&camera, truth_error](std::size_t i, std::size_t /*frame*/) -> Result<StartView> {
     return StartView{camera.frame_at(i), truth_error * camera.ct_from_camera(i)};
   };
 }
@@ -79,6 +79,30 @@ TEST(StartEvaluation, CountsAFoundPoseFarFromTheTruthAsWrong) {
   EXPECT_EQ(json["runs"][0]["status"], "found");
 }
 
+TEST(StartEvaluation, GoesOnInTheNextPictureUntilItHasFound) {
+  const auto body = lopsided_surface();
+  const auto camera = camera_over(body, "path=views,hold=3,fps=5,seed=31");
+  const StartViews views = [&](std::size_t i, std::size_t frame) -> Result<StartView> {
+    auto seen = camera->frame_at(3 * i + frame);
+    if (frame == 0) {  // Nothing to be seen yet.
+      auto covered = std::make_shared<RgbdFrame>(*seen);
+      covered->depth_mm = Image<std::uint16_t>(640, 480, 0);
+      seen = covered;
+    }
+    return StartView{seen, camera->ct_from_camera(3 * i + frame)};
+  };
+  const auto report = evaluate_starts(views, 2, body, {.frames_a_view = 3}, {});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->num_right, 2);
+  EXPECT_EQ(report->num_right_by_frame, (std::vector{0, 2, 2}));
+  EXPECT_EQ(report->runs[0].num_frames, 2U);
+  EXPECT_GT(report->runs[0].until_ms, 200.0);
+  EXPECT_THAT(to_table(*report), testing::HasSubstr("right within 2 pictures"));
+  const auto refused = evaluate_starts(views, 2, body, {}, {});
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->num_not_found, 2);
+}
+
 TEST(StartEvaluation, SaysWhatIsWrongWithItsInput) {
   const auto body = lopsided_surface();
   const auto camera = camera_over(body, "path=views,seed=31");
@@ -89,6 +113,9 @@ TEST(StartEvaluation, SaysWhatIsWrongWithItsInput) {
   const auto bad = evaluate_starts(views, 1, body, {.right_mm = 0.0}, {});
   ASSERT_FALSE(bad);
   EXPECT_THAT(bad.error().message, testing::HasSubstr("right_mm"));
+  const auto no_frame = evaluate_starts(views, 1, body, {.frames_a_view = 0}, {});
+  ASSERT_FALSE(no_frame);
+  EXPECT_THAT(no_frame.error().message, testing::HasSubstr("frames_a_view must be in [1, 100]"));
 }
 
 }  // namespace

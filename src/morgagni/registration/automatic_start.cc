@@ -44,6 +44,8 @@ std::string_view to_string(AutomaticStartStatus status) {
 }
 
 struct AutomaticStart::Impl {
+  [[nodiscard]] Result<void> check(ImageView<const std::uint16_t> depth_mm) const;
+
   PinholeCamera depth_camera;
   int num_threads;
   internal::StartFinder finder;
@@ -70,27 +72,31 @@ AutomaticStart::AutomaticStart(AutomaticStart&&) noexcept = default;
 AutomaticStart& AutomaticStart::operator=(AutomaticStart&&) noexcept = default;
 AutomaticStart::~AutomaticStart() = default;
 
+Result<void> AutomaticStart::Impl::check(ImageView<const std::uint16_t> depth_mm) const {
+  if (depth_mm.width() == depth_camera.width_px && depth_mm.height() == depth_camera.height_px) {
+    return {};
+  }
+  return make_error(ErrorCode::kInvalidArgument,
+                    fmt::format("the depth picture must be {} x {} px as the camera's, got {} x {}",
+                                depth_camera.width_px,
+                                depth_camera.height_px,
+                                depth_mm.width(),
+                                depth_mm.height()));
+}
+
 Result<AutomaticStartResult> AutomaticStart::find(ImageView<const std::uint16_t> depth_mm,
                                                   std::stop_token stop) const {
-  StartMemory none;
-  return find_next(depth_mm, none, std::move(stop));
+  MOR_CHECK(impl_->check(depth_mm));
+  tbb::task_arena arena(impl_->num_threads);
+  return arena.execute([&] { return impl_->finder.find(depth_mm, stop); });
 }
 
 Result<AutomaticStartResult> AutomaticStart::find_next(ImageView<const std::uint16_t> depth_mm,
                                                        StartMemory& memory,
                                                        std::stop_token stop) const {
-  if (depth_mm.width() != impl_->depth_camera.width_px ||
-      depth_mm.height() != impl_->depth_camera.height_px) {
-    return make_error(
-        ErrorCode::kInvalidArgument,
-        fmt::format("the depth picture must be {} x {} px as the camera's, got {} x {}",
-                    impl_->depth_camera.width_px,
-                    impl_->depth_camera.height_px,
-                    depth_mm.width(),
-                    depth_mm.height()));
-  }
+  MOR_CHECK(impl_->check(depth_mm));
   tbb::task_arena arena(impl_->num_threads);
-  return arena.execute([&] { return impl_->finder.find(depth_mm, *memory.recall_, stop); });
+  return arena.execute([&] { return impl_->finder.find_next(depth_mm, *memory.recall_, stop); });
 }
 
 StartMemory::StartMemory() : recall_(std::make_unique<internal::StartRecall>()) {}

@@ -50,9 +50,7 @@ class Loop final : public LiveLoop {
         in_step_(in_step),
         free_pictures_(bounding_sphere(body_->skin->mesh)),
         tracker_(std::move(tracker)),
-        search_([automatic = std::move(automatic)](const RgbdFrame& frame, std::stop_token stop) {
-          return automatic->find(frame.depth_mm.view(), stop);
-        }) {
+        search_(search_on(std::move(automatic))) {
     view_ = first_view(*body_);
   }
 

@@ -2,9 +2,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/session/start_search.h"
 
+#include <chrono>
 #include <utility>
 
 namespace mor {
+namespace {
+
+/// From one frame to the next at the most, either way; else the camera may be anywhere.
+constexpr std::chrono::seconds kLongestGap{2};
+
+struct GoingOn {
+  std::mutex mutex;
+  StartMemory memory;
+  std::chrono::steady_clock::time_point last_at;
+};
+
+}  // namespace
+
+StartSearch::Find search_on(std::shared_ptr<const AutomaticStart> automatic) {
+  return [automatic = std::move(automatic), search = std::make_shared<GoingOn>()](
+             const RgbdFrame& frame, std::stop_token stop) {
+    const std::lock_guard lock(search->mutex);
+    const auto gap = frame.captured_at - search->last_at;
+    if (gap > kLongestGap || gap < -kLongestGap) search->memory.forget();
+    search->last_at = frame.captured_at;
+    return automatic->find_next(frame.depth_mm.view(), search->memory, std::move(stop));
+  };
+}
 
 StartSearch::StartSearch(Find find)
     : find_(std::move(find)), worker_([this](std::stop_token stop) { work(stop); }) {}

@@ -55,4 +55,8 @@ class StartSearch {
   std::jthread worker_;  ///< Ends first.
 };
 
+/// A search that goes on from frame to frame while they follow one another closely: what one did
+/// not settle, several may (AutomaticStart::find_next).
+[[nodiscard]] StartSearch::Find search_on(std::shared_ptr<const AutomaticStart> automatic);
+
 }  // namespace mor

@@ -19,9 +19,9 @@ namespace mor::internal {
 /// the table's plane, the distance even over 500..1200 mm, the roll even over a whole turn; the
 /// place looked at lies up to 4 degrees beside the picture's centre each way.
 ///
-/// A hand holds the camera at such a place and drifts: within 1.5 s by 50 to 100 mm in any direction
-/// while it keeps what it looks at in view, but for up to 5 degrees of pan, tilt and roll each:
-/// mostly 4 to 14 degrees in all. After 3 s it is where it was.
+/// A hand holds the camera at such a place and drifts: within 1.5 s by 50 to 100 mm in any
+/// direction while it keeps what it looks at in view, but for up to 5 degrees of pan, tilt and roll
+/// each: mostly 4 to 14 degrees in all. After 3 s it is where it was.
 class ViewPlaces {
  public:
   static constexpr double kLeastElevationRad = 0.2618;
@@ -34,8 +34,8 @@ class ViewPlaces {
              std::optional<double> distance_mm,
              std::uint64_t seed);
 
-  /// The camera at place number `view`, `held_s` seconds after the hand came there. The same for the
-  /// same seed. @threads Safe to call from many at once.
+  /// The camera at place number `view`, `held_s` seconds after the hand came there. The same for
+  /// the same seed. @threads Safe to call from many at once.
   /// @cost A look at every triangle, about 0.3 ms, once or a few times.
   [[nodiscard]] Eigen::Isometry3d ct_from_camera(std::uint64_t view, double held_s = 0.0) const;
 

@@ -286,6 +286,7 @@ Result<void> StartFinder::find_on_each(const StartPicture& picture,
 }
 
 Result<StartFinder::Findings> StartFinder::find_all(const StartRecall& recall,
+                                                    bool searches_wide,
                                                     const std::stop_token& stop) const {
   const StartPicture& picture = recall.views.newest().picture;
   const auto& seen = recall.views.newest().planes;
@@ -306,23 +307,35 @@ Result<StartFinder::Findings> StartFinder::find_all(const StartRecall& recall,
     MOR_TRY(is_found, search(not_seen, kFirstEffort));
     if (is_found) return findings;
   }
-  MOR_CHECK(search(seen, kSecondEffort));
+  if (searches_wide) MOR_CHECK(search(seen, kSecondEffort));
   return findings;
 }
 
-Result<AutomaticStartResult> StartFinder::find(ImageView<const std::uint16_t> depth_mm,
-                                               StartRecall& recall,
-                                               const std::stop_token& stop) const {
+void StartFinder::take_in(ImageView<const std::uint16_t> depth_mm, StartRecall& recall) const {
   StartPicture picture = maker_.make(depth_mm, static_cast<float>(options_.max_distance_mm));
   auto planes = planes_of(picture);
-  const auto last_from_newest =
-      recall.views.add(std::move(picture), std::move(planes), extent_mm_);
+  const auto last_from_newest = recall.views.add(std::move(picture), std::move(planes), extent_mm_);
   if (!last_from_newest) recall.findings.clear();
   for (auto& finding : recall.findings) {
     finding.ct_from_depth = finding.ct_from_depth * *last_from_newest;
     finding.on_plane = finding.on_plane * *last_from_newest;
   }
-  auto findings = find_all(recall, stop);
+  ++recall.num_searched;
+}
+
+Result<AutomaticStartResult> StartFinder::find(ImageView<const std::uint16_t> depth_mm,
+                                               const std::stop_token& stop) const {
+  StartRecall alone;
+  take_in(depth_mm, alone);
+  MOR_TRY(const auto findings, find_all(alone, true, stop));
+  return decide(alone.views, findings.here);
+}
+
+Result<AutomaticStartResult> StartFinder::find_next(ImageView<const std::uint16_t> depth_mm,
+                                                    StartRecall& recall,
+                                                    const std::stop_token& stop) const {
+  take_in(depth_mm, recall);
+  auto findings = find_all(recall, recall.num_searched % 2 == 0, stop);
   if (!findings) {
     recall = {};  // Poses and pictures must belong together.
     return tl::unexpected<Error>(findings.error());

@@ -41,10 +41,14 @@ class StartFinder {
               const PinholeCamera& depth_camera,
               const AutomaticStartOptions& options);
 
-  /// @param recall  Of the pictures before, if any; takes this one in.
+  /// In one picture.
   [[nodiscard]] Result<AutomaticStartResult> find(ImageView<const std::uint16_t> depth_mm,
-                                                  StartRecall& recall,
                                                   const std::stop_token& stop) const;
+  /// In the next one of several. The wide search, which takes most of the time, is left to every
+  /// second picture: what the narrow one finds there may settle it first.
+  [[nodiscard]] Result<AutomaticStartResult> find_next(ImageView<const std::uint16_t> depth_mm,
+                                                       StartRecall& recall,
+                                                       const std::stop_token& stop) const;
 
  private:
   /// The body's volumes for one side that it may lie on.
@@ -66,8 +70,11 @@ class StartFinder {
   /// Of a reading where the pose puts the body.
   [[nodiscard]] float noise_at(const Eigen::Isometry3d& ct_from_depth) const;
   [[nodiscard]] std::vector<StartPlane> planes_of(const StartPicture& picture) const;
+  /// Takes the picture in; what was found before is moved to where the camera is now.
+  void take_in(ImageView<const std::uint16_t> depth_mm, StartRecall& recall) const;
   /// The best poses on all planes of the newest picture, each verified.
   [[nodiscard]] Result<Findings> find_all(const StartRecall& recall,
+                                          bool searches_wide,
                                           const std::stop_token& stop) const;
   [[nodiscard]] AutomaticStartResult decide(const SeenViews& views,
                                             const std::vector<StartFinding>& findings) const;

@@ -18,7 +18,7 @@ struct StartFinding {
   Eigen::Isometry3d ct_from_depth = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d on_plane = Eigen::Isometry3d::Identity();  ///< Before refinement left it.
   Eigen::Vector3d up_ct = -Eigen::Vector3d::UnitY();  ///< Normal of the plane it was found on.
-  std::shared_ptr<const StartScene> scene;  ///< What stands on the plane it was found on.
+  std::shared_ptr<const StartScene> scene;            ///< What stands on the plane it was found on.
   SkinAgreement agreement;
   double score = 0.0;  ///< Larger is better; comparable among findings of one step.
 };

@@ -101,8 +101,8 @@ double StartFinder::mirrored_share(const SeenViews& views, const StartFinding& f
   const SeenView& view = views.newest();
   const StartPicture other_picture = mirrored(view.picture);
   const auto other_planes = mirrored(view.planes);
-  const PointCloud other_points = mirrored(view.standing.empty() ? finding.scene->full
-                                                                 : view.standing);
+  const PointCloud other_points =
+      mirrored(view.standing.empty() ? finding.scene->full : view.standing);
   const Eigen::Isometry3d start = mirrored(finding.ct_from_depth, bounds_.center());
   double best = 0.0;
   for (const auto quality : {StartQuality::kRough, StartQuality::kTracked}) {
@@ -112,12 +112,10 @@ double StartFinder::mirrored_share(const SeenViews& views, const StartFinding& f
                     believed_evidence(verifier_.look(
                         other_picture, other_planes, fine->fixed_from_moving, kLookToleranceMm)));
   }
-  const double upright = views.are_several()
-                             ? believed_evidence(verifier_.look(view.picture,
-                                                                view.planes,
-                                                                finding.ct_from_depth,
-                                                                kLookToleranceMm))
-                             : finding.score;
+  const double upright =
+      views.are_several() ? believed_evidence(verifier_.look(
+                                view.picture, view.planes, finding.ct_from_depth, kLookToleranceMm))
+                          : finding.score;
   return upright > 0.0 ? best / upright : 1.0;
 }
 

@@ -120,8 +120,8 @@ std::optional<Eigen::Isometry3d> camera_motion(const StartPicture& earlier,
   }
   const Eigen::SelfAdjointEigenSolver<Matrix6d> axes(sum.information, Eigen::EigenvaluesOnly);
   const bool is_sure = axes.eigenvalues()[0] > 1.0 / (kMostUnsureMm * kMostUnsureMm);
-  const bool is_explained = static_cast<double>(sum.num_close) >
-                            kLeastExplained * static_cast<double>(sum.num_pairs);
+  const bool is_explained =
+      static_cast<double>(sum.num_close) > kLeastExplained * static_cast<double>(sum.num_pairs);
   if (!is_sure || !is_explained) return std::nullopt;
   return motion;
 }

@@ -49,6 +49,7 @@ class SeenViews {
 
 /// What a search hands on to the one in the next picture.
 struct StartRecall {
+  std::size_t num_searched = 0;  ///< Pictures so far.
   SeenViews views;
   std::vector<StartFinding> findings;  ///< Poses not yet believed, frame of the newest view.
 };
