@@ -241,6 +241,63 @@ TEST_F(AutomaticStartOfTestBody, RefusesAnEmptyPicture) {
   EXPECT_FALSE(result->reason.empty());
 }
 
+/// Things on the table beside the body, by which a camera sees how it moves.
+TriangleMesh with_things(TriangleMesh scene, const Eigen::Vector3f& center) {
+  for (const auto& [x, z] : {std::pair{-230.0F, 150.0F}, {240.0F, -60.0F}, {-180.0F, -220.0F}}) {
+    const auto first = static_cast<std::uint32_t>(scene.vertices.size());
+    const TriangleMesh thing = internal::bumpy_body(24, Eigen::Vector3f::Zero());
+    const float scale = 60.0F / thing.bounds().sizes().maxCoeff();
+    for (const auto& vertex : thing.vertices) {
+      scene.vertices.push_back(center + scale * vertex + Eigen::Vector3f(x, 90.0F, z));
+    }
+    for (const auto& [a, b, c] : thing.triangles) {
+      scene.triangles.push_back({a + first, b + first, c + first});
+    }
+  }
+  return scene;
+}
+
+/// A camera that a hand moves on from picture to picture.
+Eigen::Isometry3d held(const Eigen::Vector3d& target, int picture) {
+  return looking_at(target, 0.7 + 0.02 * picture, 0.5, 1.0 + 0.01 * picture, 800.0 - 6.0 * picture);
+}
+
+TEST_F(AutomaticStartOfTestBody, FindsItInTheNextPictureWhereTheFirstShowsNothing) {
+  const auto start = starter();
+  StartMemory memory;
+  const auto first = start.find_next(Picture(320, 240, 0).view(), memory);
+  ASSERT_TRUE(first) << first.error().message;
+  EXPECT_EQ(first->status, AutomaticStartStatus::kNotFound);
+  const auto truth = held(center(), 1);
+  const auto second = start.find_next(picture_of(on_table(body_->mesh), truth).view(), memory);
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->status, AutomaticStartStatus::kFound) << second->reason;
+  EXPECT_LT(displacement_mm(second->ct_from_depth, truth, truth.inverse() * center()), 3.0);
+}
+
+TEST_F(AutomaticStartOfTestBody, IsNotBelievedWhereThePictureBeforeContradicts) {
+  const auto start = starter();
+  const TriangleMesh with_body = with_things(on_table(body_->mesh), center().cast<float>());
+  TriangleMesh without = with_body;
+  const auto num_body = static_cast<std::ptrdiff_t>(body_->mesh.triangles.size());
+  without.triangles.erase(without.triangles.begin(), without.triangles.begin() + num_body);
+  StartMemory memory;
+  const auto look = [&](const TriangleMesh& scene, int picture) {
+    return *start.find_next(picture_of(scene, held(center(), picture)).view(), memory);
+  };
+  EXPECT_NE(look(without, 0).status, AutomaticStartStatus::kFound);
+  // Somebody has laid the body there: in the picture before, the camera looked through it.
+  EXPECT_NE(look(with_body, 1).status, AutomaticStartStatus::kFound);
+  const auto third = look(with_body, 2);
+  EXPECT_EQ(third.status, AutomaticStartStatus::kFound) << third.reason;
+  const auto truth = held(center(), 2);
+  EXPECT_LT(displacement_mm(third.ct_from_depth, truth, truth.inverse() * center()), 3.0);
+  // Nor does anything contradict in a picture that stands alone.
+  EXPECT_EQ(look(without, 3).status, AutomaticStartStatus::kNotFound);
+  memory.forget();
+  EXPECT_EQ(look(with_body, 4).status, AutomaticStartStatus::kFound);
+}
+
 TEST_F(AutomaticStartOfTestBody, IsTheSameForAnyNumberOfThreads) {
   const auto truth = looking_at(center(), 0.7, 0.6, 1.0, 800.0);
   const Picture picture = picture_of(on_table(body_->mesh), truth);

@@ -13,6 +13,7 @@
 #include "morgagni/registration/internal/start_decision.h"
 #include "morgagni/registration/internal/start_evenness.h"
 #include "morgagni/registration/internal/start_mirror.h"
+#include "morgagni/registration/internal/start_motion.h"
 #include "morgagni/registration/internal/start_planes.h"
 
 namespace mor::internal {
@@ -22,7 +23,7 @@ const PinholeCamera kCamera{320, 240, 262.0, 262.0, 159.5, 119.5, {}};
 
 /// What a camera measures of planes, the nearest at each pixel, with noise of 2 mm either way.
 StartPicture picture_of(const std::vector<StartPlane>& planes) {
-  StartPicture picture{kCamera, Image<float>(kCamera.width_px, kCamera.height_px)};
+  StartPicture picture{kCamera, Image<float>(kCamera.width_px, kCamera.height_px), {}};
   std::mt19937 random(5);
   for (int y = 0; y < kCamera.height_px; ++y) {
     for (int x = 0; x < kCamera.width_px; ++x) {
@@ -84,7 +85,7 @@ TEST(StartPlanes, AreSupposedBelowTheHighestThingsSeen) {
 }
 
 TEST(StartPlanes, AreNoneOfAnEmptyPicture) {
-  const StartPicture empty{kCamera, Image<float>(kCamera.width_px, kCamera.height_px)};
+  const StartPicture empty{kCamera, Image<float>(kCamera.width_px, kCamera.height_px), {}};
   EXPECT_TRUE(suppose_planes(empty, kUp, 200.0F, 20.0F).empty());
   EXPECT_TRUE(find_planes(empty, std::nullopt).empty());
 }
@@ -193,6 +194,77 @@ TEST(StartDecision, IsAmbiguousBesideAnotherPoseOrTheMirrorImage) {
   EXPECT_EQ(status_of(look, 0.1, 1.05), AutomaticStartStatus::kAmbiguous);
   EXPECT_THAT(decide_start({look, 0.1, 1.05}).reason, testing::HasSubstr("mirror image"));
   EXPECT_EQ(status_of(look, 0.1, 0.9), AutomaticStartStatus::kFound);
+}
+
+/// The planes as a camera sees them that has moved.
+std::vector<StartPlane> seen_after(const Eigen::Isometry3d& earlier_from_later,
+                                   std::vector<StartPlane> planes) {
+  const Eigen::Isometry3f moved = earlier_from_later.cast<float>();
+  for (auto& plane : planes) {
+    plane.offset_mm -= plane.normal.dot(moved.translation());
+    plane.normal = moved.linear().transpose() * plane.normal;
+  }
+  return planes;
+}
+
+const Eigen::Isometry3d kMoved =
+    Eigen::Translation3d(25.0, -15.0, 20.0) *
+    Eigen::AngleAxisd(0.05, Eigen::Vector3d(0.3, 1.0, 0.5).normalized());
+
+TEST(StartMotion, IsFoundInACorner) {
+  const StartPlane side{-Eigen::Vector3f::UnitX(), -300.0F};
+  const std::vector<StartPlane> corner{kTable, kWall, side};
+  const auto found = camera_motion(picture_of(corner), picture_of(seen_after(kMoved, corner)));
+  ASSERT_TRUE(found);
+  const Eigen::Vector3d seen(0.0, 0.0, 900.0);
+  EXPECT_LT(displacement_mm(*found, kMoved, seen), 1.0);
+  EXPECT_LT(rotation_angle_rad(*found * kMoved.inverse()), 0.002);
+}
+
+TEST(StartMotion, IsNotGuessedOverABareTableNorWhereAllHasChanged) {
+  EXPECT_FALSE(camera_motion(picture_of({kTable}), picture_of(seen_after(kMoved, {kTable}))));
+  EXPECT_FALSE(camera_motion(picture_of({kTable, kWall}), picture_of({kWall})));
+  const StartPicture empty{kCamera, Image<float>(kCamera.width_px, kCamera.height_px), {}};
+  EXPECT_FALSE(camera_motion(picture_of({kTable}), empty));
+  EXPECT_FALSE(camera_motion(empty, picture_of({kTable})));
+}
+
+TEST(StartPicture, EvenedHasLessNoiseAndKeepsSlopesAndEdges) {
+  StartPicture picture = picture_of({kTable, kWall});
+  for (int y = 0; y < kCamera.height_px; ++y) picture.z_mm(100, y) = 0.0F;
+  for (int y = 0; y < kCamera.height_px; ++y) {
+    for (int x = 200; x < kCamera.width_px; ++x)
+      picture.z_mm(x, y) = 400.0F;  // Something before it.
+  }
+  const Image<float> even_mm = evened(picture.z_mm);
+  double sum_mm2 = 0.0;
+  int count = 0;
+  for (int y = 150; y < 235; ++y) {
+    EXPECT_EQ(even_mm(100, y), 0.0F);
+    EXPECT_EQ(even_mm(203, y), 400.0F);
+    for (int x = 5; x < 195; ++x) {
+      if (x > 96 && x < 104) continue;
+      const double off_mm = kTable.height_mm(picture.point_at(x, y, even_mm(x, y)));
+      sum_mm2 += off_mm * off_mm;
+      ++count;
+    }
+  }
+  EXPECT_LT(std::sqrt(sum_mm2 / count), 0.35);  // Even over +-2 mm it is 1.15 along the ray.
+}
+
+TEST(SkinAgreement, OfSeveralPicturesAddsUpButForTheHold) {
+  SkinAgreement first = good_look();
+  SkinAgreement second = good_look();
+  second.num_patches = 150.0;
+  second.uneven_mm = 0.8;
+  second.area_share = 0.1;
+  const SkinAgreement both = pooled({first, second});
+  EXPECT_EQ(both.num_agree, first.num_agree + second.num_agree);
+  EXPECT_EQ(both.num_floating, first.num_floating + second.num_floating);
+  EXPECT_EQ(both.num_patches, 200.0);
+  EXPECT_NEAR(both.uneven_mm, std::sqrt(0.25 * 0.16 + 0.75 * 0.64), 1e-9);
+  EXPECT_EQ(both.area_share, first.area_share);
+  EXPECT_EQ(pooled({}).num_seen, 0.0);
 }
 
 TEST(StartMirror, TurnsAPoseIntoOneOfTheMirroredPicture) {

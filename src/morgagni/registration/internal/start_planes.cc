@@ -14,7 +14,6 @@ namespace mor::internal {
 namespace {
 
 constexpr float kLargePlane = 0.12F;  ///< Share of the picture's surface.
-
 constexpr std::size_t kMaxPlanes = 4;
 constexpr float kMinShare = 0.02F;
 constexpr int kNumSamplesWide = 54;      ///< A row of samples.
