@@ -270,6 +270,7 @@ void add_record_command(CLI::App& app) {
       "  path=orbit|sway|still  a hand or a tripod before the body\n"
       "  path=pass              a hand around the body from side to side, in 100 s or so\n"
       "  path=views             every frame from a random place of its own above the table\n"
+      "  hold=FRAMES            with path=views: a hand drifts at each place for so many frames\n"
       "  clutter=none|hand|towel|parts|all  what the CT does not have, in depth and colour\n"
       "  bias=MM                smooth systematic depth error, root mean square at 800 mm\n"
       "  focal=PERCENT          the calibration's focal length is so much too long\n"
