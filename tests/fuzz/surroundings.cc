@@ -21,7 +21,7 @@
 namespace mor {
 namespace {
 
-constexpr std::size_t kMaxBytes = std::size_t{64} << 20U;  ///< More teaches a fuzzer nothing.
+constexpr std::size_t kMaxBytes = std::size_t{4} << 20U;  ///< More teaches a fuzzer nothing.
 
 /// The readers' messages go nowhere, and not into what libFuzzer would open under their number.
 const bool kMessagesGoNowhere =

@@ -351,6 +351,23 @@ TEST_F(HostileFiles, DicomSeries) {
   EXPECT_THAT(error_of(folder_ / "s"), HasSubstr("transfer syntax 1.2.840.10008.1.2.9.99"));
 }
 
+/// What a case file, a page and a terminal can show, whatever character set the scanner wrote in.
+TEST_F(HostileFiles, TextOfAnotherCharacterSetIsMadePrintable) {
+  for (int k = 0; k < 3; ++k) {
+    auto slice = plain_slice(k);
+    slice.series_description =
+        "Sch\xe4"
+        "del\x1b[31m";
+    write(std::to_string(k), slice_file(slice));
+  }
+  const auto series = list_ct_series(folder_, {});
+  ASSERT_TRUE(series) << series.error().message;
+  EXPECT_EQ(series->front().description, "Sch\u00e4del [31m");
+  const auto volume = import_volume(folder_, {}, {});
+  ASSERT_TRUE(volume) << volume.error().message;
+  EXPECT_THAT(volume->description, HasSubstr("\"Sch\u00e4del [31m\""));
+}
+
 TEST_F(HostileFiles, Folders) {
   EXPECT_THAT(error_of(folder_ / "none"), HasSubstr("there is no file or folder"));
   EXPECT_THAT(error_of(folder_), HasSubstr("holds no DICOM file"));
