@@ -80,8 +80,9 @@ void measure_depth(const SimulatedBoardCamera& camera,
 }
 
 /// Two frames a view, the second where the first has gaps: less than a board held still gives.
-Image<std::uint16_t> filled_depth(const SimulatedBoardCamera& camera, std::uint64_t pose) {
-  Image<std::uint16_t> depth_mm = camera.frame_at(pose, 0)->depth_mm;
+Image<std::uint16_t> filled_depth(const SimulatedBoardCamera& camera,
+                                  std::uint64_t pose,
+                                  Image<std::uint16_t> depth_mm) {
   const auto again = camera.frame_at(pose, 1);
   for (std::size_t i = 0; i < depth_mm.size(); ++i) {
     if (depth_mm.data()[i] == 0) depth_mm.data()[i] = again->depth_mm.data()[i];
@@ -97,7 +98,7 @@ void add_views(const SimulatedBoardCamera& camera,
     const auto pose = static_cast<std::uint64_t>(i);
     const auto frame = camera.frame_at(pose, 0);
     const auto infrared = camera.infrared_at(pose);
-    const auto depth_mm = filled_depth(camera, pose);
+    const auto depth_mm = filled_depth(camera, pose, frame->depth_mm);
     (void)collector.add(fmt::format("view {}", collector.views().size() + 1),
                         &frame->color,
                         arguments.has_infrared ? &infrared : nullptr,
