@@ -76,6 +76,10 @@ std::string Scu::peer() const {
 }
 
 Error Scu::error_of(const OFCondition& status) const {
+  if (const auto why = refused_certificate(); !why.empty()) {
+    return {ErrorCode::kInvalidArgument,
+            fmt::format("{}: its TLS certificate is not trusted: {}", peer(), why)};
+  }
   if (status == DUL_ASSOCIATIONREJECTED || status.code() == DULC_ASSOCIATIONREJECTED) {
     return {ErrorCode::kInvalidArgument,
             fmt::format("{} refuses {} to call {}: {}",
@@ -115,7 +119,7 @@ Result<void> Scu::connect(const std::vector<Proposal>& proposals) {
         addPresentationContext(proposal.abstract_syntax.c_str(), codings, proposal.role);
     if (added.bad()) return tl::unexpected<Error>(error_of(added));
   }
-  MOR_TRY(tls_, make_tls(task_.tls, NET_REQUESTOR));
+  MOR_TRY(tls_, make_tls(task_.tls, NET_REQUESTOR, task_.host));
   auto status = initNetwork();
   if (status.good() && tls_) status = useSecureConnection(tls_.get());
   if (status.good()) status = negotiate();

@@ -17,7 +17,8 @@ PLUGIN = "/usr/share/orthanc/plugins/libOrthancDicomWeb.so"
 class Orthanc:
     HTTP_PORT, DICOM_PORT, MOVE_PORT = 8042, 4242, 11112
 
-    def __init__(self, folder):
+    def __init__(self, folder, tls=None):
+        """tls: (key, certificate, the authority that must vouch for who calls by DICOM); without: none."""
         program = shutil.which("Orthanc") or shutil.which("Orthanc", path="/usr/sbin")
         if not program or not os.path.exists(PLUGIN):
             skip("Orthanc is not installed (packages orthanc and orthanc-dicomweb)")
@@ -32,6 +33,15 @@ class Orthanc:
             "DicomModalities": {"morgagni": ["MORGAGNI", "127.0.0.1", self.MOVE_PORT]},
             "Plugins": [PLUGIN], "DicomWeb": {"Enable": True, "Root": "/dicom-web/"},
         }
+        if tls:
+            key, certificate, authority = tls
+            config.update({
+                # At the DICOM port alone: by https Debian's Orthanc 1.10 dies of the first request (signal 11).
+                "DicomTlsEnabled": True, "DicomTlsCertificate": certificate, "DicomTlsPrivateKey": key,
+                "DicomTlsTrustedCertificates": authority, "DicomTlsRemoteCertificateRequired": True,
+                "DicomModalities": {"morgagni": {"AET": "MORGAGNI", "Host": "127.0.0.1", "Port": self.MOVE_PORT,
+                                                 "UseDicomTls": True}},
+            })
         file = folder + ".json"
         with open(file, "w") as out:
             json.dump(config, out)

@@ -18,6 +18,7 @@ import time
 import unittest
 
 import netns
+from certificates import make_certificate
 from dicom_maker import CT_IMAGE, Series, dataset_of, part10
 from hostile_peer import HostileDicom, HostileWeb, command, data_pdu, nested_bomb, pdu, reply
 from orthanc import Orthanc
@@ -36,17 +37,6 @@ def run(*arguments, environment=None, timeout=60):
     done = subprocess.run([MORGAGNI, "pacs", *map(str, arguments)], capture_output=True, text=True,
                           timeout=timeout, env=full, stdin=subprocess.DEVNULL)
     return done.returncode, done.stdout, done.stderr
-
-
-def make_certificate(folder, name, issuer=None):
-    """A key and a certificate for 127.0.0.1; signed by `issuer` or by itself."""
-    key, certificate = os.path.join(folder, name + ".key"), os.path.join(folder, name + ".pem")
-    call = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=" + name,
-            "-addext", "subjectAltName=IP:127.0.0.1", "-keyout", key, "-out", certificate]
-    if issuer:
-        call += ["-CA", issuer[1], "-CAkey", issuer[0], "-addext", "basicConstraints=critical,CA:FALSE"]
-    subprocess.run(call, check=True, capture_output=True)
-    return key, certificate
 
 
 class PacsCase(unittest.TestCase):
@@ -266,9 +256,10 @@ class Tls(WithOrthanc):
         cls.mine = make_certificate(cls.scratch, "mine", cls.ca)
         cls.stranger = make_certificate(cls.scratch, "stranger")
 
-    def proxies(self, wants_ours=False):
+    def proxies(self, wants_ours=False, server=None):
         context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-        context.load_cert_chain(self.server[1], self.server[0])
+        key, certificate = server or self.server
+        context.load_cert_chain(certificate, key)
         if wants_ours:
             context.verify_mode = ssl.CERT_REQUIRED
             context.load_verify_locations(self.ca[1])
@@ -288,10 +279,21 @@ class Tls(WithOrthanc):
         for address in self.proxies():
             code, _, error = run("query", address, *USER, "--echo", "--ca", self.stranger[1], "--timeout-s", 5)
             self.assertEqual(code, 1, address)
-            self.assertIn("certificate", error)
+            self.assertRegex(error, "certificate is not trusted: .*--ca")
         web, dicom = self.proxies()
         self.fails("certificate is not trusted", "query", web, *USER, "--echo")
         self.fails("needs --ca", "query", dicom, "--echo")
+
+    def test_trusts_nobody_elses_certificate_and_no_old_one(self):
+        """All of the same authority."""
+        for name, more, why in (("elsewhere", {"host": "DNS:elsewhere.example,IP:127.0.0.2"}, "made out to another host"),
+                                ("nameless", {"host": "email:it@example.org"}, "made out to another host"),
+                                ("old", {"days": -1}, "has expired")):
+            for address in self.proxies(server=make_certificate(self.scratch, name, self.ca, **more)):
+                _, error = self.fails("certificate is not trusted: it " + ("has" if name == "old" else "is"), "query",
+                                      address, *USER, "--echo", "--ca", self.ca[1], "--timeout-s", 5)
+                self.assertIn(why, error, (name, address))
+                self.assertEqual(len(error.strip().splitlines()), 1, error)
 
     def test_is_let_in_only_with_its_own(self):
         for address in self.proxies(wants_ours=True):
@@ -302,6 +304,53 @@ class Tls(WithOrthanc):
         for address in self.proxies():
             for option, file in (("--ca", self.mine[0]), ("--ca", "/nowhere.pem")):
                 self.fails(file, "query", address, *USER, "--echo", option, file)
+
+
+class OrthancsOwnTls(PacsCase):
+    """Orthanc with TLS at its DICOM port; it wants our certificate too."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.ca = make_certificate(cls.scratch, "ca")
+        server = make_certificate(cls.scratch, "server", cls.ca)
+        cls.mine = make_certificate(cls.scratch, "mine", cls.ca)
+        cls.stranger = make_certificate(cls.scratch, "stranger")
+        cls.orthanc = Orthanc(os.path.join(cls.scratch, "orthanc"), (*server, cls.ca[1]))
+        cls.chest = Series(1, num_slices=NUM_SLICES)
+        for data in cls.chest.files.values():
+            cls.orthanc.store(data)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.orthanc.stop()
+        super().tearDownClass()
+
+    check_whole = WithOrthanc.check_whole
+
+    @staticmethod
+    def address(host="127.0.0.1"):
+        return f"dicoms://ORTHANC@{host}:{Orthanc.DICOM_PORT}"
+
+    def ours(self, ca=None):
+        return ["--ca", (ca or self.ca)[1], "--key", self.mine[0], "--certificate", self.mine[1]]
+
+    def test_fetches_by_both_ways(self):
+        for way in "get", "move":
+            folder = self.out + way
+            code, _, error = run("get", self.address(), "--by", way, "--patient-id", "4711", "--out", folder, *self.ours())
+            self.assertEqual(code, 0, (way, error))
+            self.check_whole(self.chest, folder)
+
+    def test_is_refused_where_its_certificate_is_not_the_right_one(self):
+        echo = "--echo", "--timeout-s", 5
+        self.fails("--ca does not vouch for it", "query", self.address(), *echo, *self.ours(self.stranger))
+        # It is made out to 127.0.0.1.
+        self.fails("made out to another host", "query", self.address("localhost"), *echo, *self.ours())
+
+    def test_lets_nobody_in_without_a_certificate(self):
+        _, error = self.fails("127.0.0.1", "query", self.address(), "--echo", "--timeout-s", 5, "--ca", self.ca[1])
+        self.assertEqual(len(error.strip().splitlines()), 1, error)
 
 
 class HostileWebServer(PacsCase):

@@ -19,6 +19,7 @@ import time
 import unittest
 
 import netns
+from certificates import make_certificate
 from dicom_maker import CT_IMAGE, Series
 from hostile_peer import associate_request, command, data_pdu, nested_bomb, pdu, read_pdu
 
@@ -165,6 +166,31 @@ class Serve(unittest.TestCase):
         echo = subprocess.run(["echoscu", "-aet", "SCANNER", "-aec", "MORGAGNI", "127.0.0.1", str(server.port)])
         self.assertEqual(echo.returncode, 0)
         self.assertEqual(self.received(self.body), [])
+        self.assertEqual(server.stop(), 0)
+
+    def test_over_tls_it_takes_only_whom_its_authority_vouches_for(self):
+        ca = make_certificate(self.scratch, "ca")
+        mine, scanner = (make_certificate(self.scratch, name, ca) for name in ("mine", "scanner"))
+        stranger = make_certificate(self.scratch, "stranger")
+        old = make_certificate(self.scratch, "old", ca, days=-1)
+        server = self.serve("--key", mine[0], "--certificate", mine[1], "--ca", ca[1])
+        scout = self.study + "/scout"
+        trust = ("+cf", ca[1])
+        for refused in ((), ("+tla", *trust), ("+tls", *stranger, *trust), ("+tls", *old, *trust)):
+            self.assertNotEqual(send(server.port, scout, *refused).returncode, 0, refused)
+        self.assertEqual(self.received(self.scout), [])
+        sent = send(server.port, scout, "+tls", *scanner, *trust)
+        self.assertEqual(sent.returncode, 0, sent.stderr)
+        server.wait_for("left out, no CT: series 9")
+        self.assertEqual(len(self.received(self.scout)), 2)
+        self.assertEqual(server.stop(), 0)
+
+    def test_over_tls_without_an_authority_the_line_alone_is_closed_to_others(self):
+        mine = make_certificate(self.scratch, "alone")
+        server = self.serve("--key", mine[0], "--certificate", mine[1])
+        self.assertNotEqual(send(server.port, self.study + "/scout").returncode, 0, "without TLS")
+        sent = send(server.port, self.study + "/scout", "+tla", "+cf", mine[1])
+        self.assertEqual(sent.returncode, 0, sent.stderr)
         self.assertEqual(server.stop(), 0)
 
     def test_says_that_the_disk_is_full(self):

@@ -34,12 +34,23 @@ Error error_of(const std::string& host, const GError& error) {
     return {ErrorCode::kTimeout, fmt::format("{} does not answer (--timeout-s)", host)};
   if (error.domain == G_TLS_ERROR) {
     return {ErrorCode::kInvalidArgument,
-            fmt::format("{}: its TLS certificate is not trusted or it does not trust ours "
-                        "(--ca, --certificate): {}",
+            fmt::format("{}: TLS failed; perhaps it wants a certificate of ours "
+                        "(--certificate, --key): {}",
                         host,
                         error.message)};
   }
   return {ErrorCode::kIo, fmt::format("{}: {}", host, error.message)};
+}
+
+/// Why a certificate is refused, the first reason that a user can do something about.
+std::string words_of(GTlsCertificateFlags flags) {
+  if ((flags & G_TLS_CERTIFICATE_UNKNOWN_CA) != 0)
+    return "nobody who is trusted (--ca) vouches for it";
+  if ((flags & G_TLS_CERTIFICATE_BAD_IDENTITY) != 0) return "it is made out to another host";
+  if ((flags & G_TLS_CERTIFICATE_EXPIRED) != 0) return "it has expired";
+  if ((flags & G_TLS_CERTIFICATE_NOT_ACTIVATED) != 0) return "it is not valid yet";
+  if ((flags & G_TLS_CERTIFICATE_REVOKED) != 0) return "it was revoked";
+  return "it is not safe";
 }
 
 /// What a status other than 200 means for a user.
@@ -89,13 +100,27 @@ class SoupClient : public HttpClient {
     if (!message) return make_error(ErrorCode::kInvalidArgument, url + ": not an address");
     const std::string host = g_uri_get_host(soup_message_get_uri(message.get()));
     prepare(*message, accept);
+    std::string refusal;
+    g_signal_connect(
+        message.get(),
+        "accept-certificate",
+        G_CALLBACK(+[](SoupMessage*, GTlsCertificate*, GTlsCertificateFlags flags, gpointer refused)
+                       -> gboolean {
+          *static_cast<std::string*>(refused) = words_of(flags);
+          return FALSE;
+        }),
+        &refusal);
     const GObjectHandle<GCancellable> cancellable(g_cancellable_new());
     const std::stop_callback cancel(stop, [&] { g_cancellable_cancel(cancellable.get()); });
     GError* raw_error = nullptr;
     const GObjectHandle<GInputStream> body(
         soup_session_send(session_.get(), message.get(), cancellable.get(), &raw_error));
-    if (const GErrorHandle error(raw_error); error)
-      return tl::unexpected<Error>(error_of(host, *error));
+    g_signal_handlers_disconnect_by_data(message.get(), &refusal);
+    if (const GErrorHandle error(raw_error); error) {
+      if (refusal.empty()) return tl::unexpected<Error>(error_of(host, *error));
+      return make_error(ErrorCode::kInvalidArgument,
+                        fmt::format("{}: its TLS certificate is not trusted: {}", host, refusal));
+    }
     MOR_CHECK(hear_head(*message, host, sink));
     return hear_body(*body, *cancellable, host, sink);
   }
