@@ -30,13 +30,16 @@ class Camera:
 
 
 class Push:
-    """rotation (three rows) and translation (metres) take a point of the depth camera into the colour camera."""
+    """rotation (three rows) and translation (metres) take a point of the depth camera into the colour camera.
 
-    def __init__(self, url, depth, color, rotation, translation):
+    device: its serial number; what `morgagni calibrate` finds is kept for it.
+    """
+
+    def __init__(self, url, depth, color, rotation, translation, device):
         self.cameras = {"depth": depth, "color": color}
         self.socket = websocket.create_connection(url, subprotocols=["foxglove.websocket.v1"])
         threading.Thread(target=self._listen, daemon=True).start()
-        self.socket.send(json.dumps({"op": "advertise", "channels": [
+        self.socket.send(json.dumps({"op": "advertise", "device": device, "channels": [
             {"id": i, "topic": "/camera/" + topic, "encoding": encoding, "schemaName": schema}
             for i, (topic, encoding, schema) in enumerate(CHANNELS)]}))
         for i, frame in ((2, "depth"), (3, "color")):

@@ -37,7 +37,8 @@ def main(url):
     origin = moved(0.0, 0.0, 0.0)
     steps = (1000.0, 0.0, 0.0), (0.0, 1000.0, 0.0), (0.0, 0.0, 1000.0)
     axes = [[(a - o) / 1000 for a, o in zip(moved(*step), origin)] for step in steps]
-    push = Push(url, depth, color, [list(row) for row in zip(*axes)], [value / 1000 for value in origin])
+    push = Push(url, depth, color, [list(row) for row in zip(*axes)], [value / 1000 for value in origin],
+                f"azure-{kinect.serial}")
     while True:
         capture = kinect.get_capture()
         depth_mm = cv2.remap(capture.depth, *depth_maps, cv2.INTER_NEAREST)

@@ -33,7 +33,8 @@ def main(url):
     depth, color = streams.get_stream(rs.stream.depth), streams.get_stream(rs.stream.color)
     between = depth.get_extrinsics_to(color)  # A rotation by columns, and metres.
     rotation = [between.rotation[row::3] for row in range(3)]
-    push = Push(url, camera(depth), camera(color), rotation, between.translation)
+    serial = streams.get_device().get_info(rs.camera_info.serial_number)
+    push = Push(url, camera(depth), camera(color), rotation, between.translation, f"realsense-{serial}")
     while True:
         frames = pipeline.wait_for_frames()
         depth_frame, color_frame = frames.get_depth_frame(), frames.get_color_frame()

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <chrono>
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/calibration/calibration_origin.h"
 #include "morgagni/calibration/calibration_store.h"
 #include "morgagni/camera/freenect_camera.h"
 #include "morgagni/camera/usb_cameras.h"
@@ -55,10 +58,30 @@ std::string age_of(const KeptCalibration& kept) {
   return age_text(std::chrono::system_clock::now() - kept.made_at);
 }
 
+bool is_old(const KeptCalibration& kept) {
+  return is_old_calibration(std::chrono::system_clock::now() - kept.made_at);
+}
+
+/// Of a device that is plugged in.
+std::string calibration_of(const Findings& findings, const std::string& device_id) {
+  if (device_id.empty()) return "no serial number: name it with device=ID to keep a calibration";
+  const auto kept =
+      std::ranges::find(findings.calibrations, device_id, &KeptCalibration::device_id);
+  if (kept == findings.calibrations.end()) {
+    return fmt::format("{} is not calibrated: `morgagni calibrate --help`", device_id);
+  }
+  return fmt::format("{} is calibrated, {}", device_id, age_of(*kept));
+}
+
 std::string calibrations_text(const Findings& findings) {
   std::string text = fmt::format("\nCalibrations ({})\n", CalibrationStore().folder().string());
   for (const auto& kept : findings.calibrations) {
-    text += fmt::format("  {}: {}, {}\n", kept.device_id, kept.calibration.origin, age_of(kept));
+    text += fmt::format("  {}: {}, {}, depth {}{}\n",
+                        kept.device_id,
+                        kept.calibration.origin,
+                        age_of(kept),
+                        kept.calibration.depth_correction ? "corrected" : "not corrected",
+                        is_old(kept) ? ": check it with `morgagni calibrate check`" : "");
     for (const auto& [name, value] : kept.figures) text += fmt::format("    {}: {}\n", name, value);
   }
   if (findings.calibrations.empty()) {
@@ -82,6 +105,9 @@ std::string cameras_text(const Findings& findings) {
                         device.camera.empty() ? "" : ": --camera ",
                         device.camera);
     if (!device.advice.empty()) text += fmt::format("    {}\n", device.advice);
+    if (!device.camera.empty()) {
+      text += fmt::format("    {}\n", calibration_of(findings, device.device_id));
+    }
   }
   if (findings.cameras.empty() && findings.video_devices.empty()) text += "  none is plugged in\n";
   text += "  any other, on this machine or the network: --camera push:8765 (docs/cameras.md)\n";
@@ -132,6 +158,7 @@ std::string to_json(const Findings& findings) {
     video_devices.push_back({{"path", device.path},
                              {"card", device.card},
                              {"camera", device.camera},
+                             {"device_id", device.device_id},
                              {"advice", device.advice}});
   }
   auto calibrations = nlohmann::ordered_json::array();
@@ -139,7 +166,8 @@ std::string to_json(const Findings& findings) {
     calibrations.push_back({{"device_id", kept.device_id},
                             {"origin", kept.calibration.origin},
                             {"age", age_of(kept)},
-                            {"depth_corrected", kept.calibration.depth_correction != nullptr}});
+                            {"depth_corrected", kept.calibration.depth_correction != nullptr},
+                            {"old", is_old(kept)}});
   }
   const auto& opengl = findings.opengl_device;
   const auto& kinects = findings.num_kinects;

@@ -6,7 +6,7 @@
 
 import assert from 'node:assert/strict';
 import { execFileSync, spawn } from 'node:child_process';
-import { existsSync, mkdirSync, readFileSync, rmSync } from 'node:fs';
+import { existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { join } from 'node:path';
 import { createInterface } from 'node:readline';
@@ -32,8 +32,17 @@ const served = createServer((_, response) => {
   response.setHeader('Content-Type', 'text/html');
   response.end(readFileSync('examples/push_page/index.html'));
 }).listen(0, '127.0.0.1');
+// What is kept of the device: what it says itself, found with a board long ago.
+const cameras = join(scratch, 'cameras');
+const { width, height, fx, fy, cx, cy, distortion } = JSON.parse(readFileSync(join(recording, 'intrinsics.json'), 'utf8'));
+const pinhole = { width, height, fx, fy, cx, cy, distortion };
+mkdirSync(join(cameras, 'push-bench'), { recursive: true });
+writeFileSync(join(cameras, 'push-bench', '2024-01-31T10-00-00Z.json'), JSON.stringify({ device_id: 'push-bench',
+  made_at: '2024-01-31T10:00:00Z', made_by: 'board', figures: {},
+  calibration: { depth: pinhole, color: pinhole, color_from_depth: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]],
+    origin: 'board, 2024-01-31T10:00:00Z' } }));
 const server = spawn(program, ['serve', '--case', folder, '--camera', 'push:0', '--port', '0', '--web', webRoot],
-  { stdio: ['ignore', 'pipe', 'pipe'] });
+  { stdio: ['ignore', 'pipe', 'pipe'], env: { ...process.env, MORGAGNI_CAMERAS_DIR: cameras } });
 const log = [];
 for (const stream of [server.stdout, server.stderr]) createInterface(stream).on('line', (line) => log.push(line));
 async function says(pattern, timeout_ms = 120000) {
@@ -47,18 +56,33 @@ async function says(pattern, timeout_ms = 120000) {
 }
 
 const pushed = await says(/ws:\/\/127\.0\.0\.1:\d+/);
+// The page is there before any device is, and says what it waits for.
+const live = await LivePage.open(await says(/http:\/\/127\.0\.0\.1:\d+/), { width: 1180, height: 820 });
+await live.page.getByText(`Waiting for the first picture of push:0 – no device is connected: it must push to ${pushed}`).waitFor();
+await live.page.getByText('Waiting for the camera').waitFor();
+if (shots) {
+  await live.screenshot(join(shots, 'push_waiting.png'));
+  await live.page.setViewportSize({ width: 820, height: 1180 });
+  await live.screenshot(join(shots, 'push_waiting_portrait.png'));
+  await live.page.setViewportSize({ width: 1180, height: 820 });
+}
 const device = await LivePage.open(`http://localhost:${served.address().port}/`, { width: 820, height: 1180 });
-await device.page.fill('#address', pushed);
+await device.page.fill('#address', `${pushed}/?device=bench`);
 await device.page.setInputFiles('#folder', recording);
 await device.page.click('#start');
-const live = await LivePage.open(await says(/http:\/\/127\.0\.0\.1:\d+/), { width: 1180, height: 820 });
-await live.wait_for_picture(60000);
+await live.wait_for_picture(60000); // By itself.
 await live.wait_for_state('tracking', 120000);
 assert.match(await device.page.textContent('#said'), /^\d+ frames pushed\.$/);
-const { bound_mm } = await live.status();
+const { bound_mm, calibration } = await live.status();
+assert.equal(calibration.source, 'found with a board');
+assert.match(calibration.age, /^\d+ days old$/);
+assert.match(calibration.hint, /half a year old/);
+await live.page.getByText('Calibration: found with a board').waitFor();
 if (shots) {
   await device.screenshot(join(shots, 'push_page.png'));
   await live.screenshot(join(shots, 'push_tracked.png'));
+  await live.page.setViewportSize({ width: 820, height: 1180 });
+  await live.screenshot(join(shots, 'push_tracked_portrait.png'));
 }
 
 // The page is gone: said; and back: it goes on by itself.

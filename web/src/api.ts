@@ -70,8 +70,31 @@ export interface Status {
   method: string;
   camera: string;
   camera_error: string | null;
+  calibration: Calibration;
   viewers: number;
   view: View;
+}
+
+/** Where the calibration that the camera sees by is from. */
+export interface Calibration {
+  source: string;
+  made_at: string | null;
+  /** "12 days old". */
+  age: string | null;
+  depth_corrected: boolean;
+  /** What to do about it. */
+  hint: string | null;
+}
+
+/** The status while there is no camera yet, and so no session. */
+export interface Waiting {
+  waiting_for_camera: string;
+  case: string;
+  camera: string;
+}
+
+export function isWaiting(status: Status | Waiting): status is Waiting {
+  return 'waiting_for_camera' in status;
 }
 
 export interface CaseInfo {
@@ -219,10 +242,10 @@ export function textureSidesUrl(version: number): string {
 }
 
 /** The newest status, again and again; `undefined` while the server is gone. */
-export function listenToStatus(listener: (status: Status | undefined) => void): void {
+export function listenToStatus(listener: (status: Status | Waiting | undefined) => void): void {
   const source = new EventSource('/api/events');
   source.addEventListener('status', (event) =>
-    listener(JSON.parse((event as MessageEvent<string>).data) as Status),
+    listener(JSON.parse((event as MessageEvent<string>).data) as Status | Waiting),
   );
   source.addEventListener('error', () => {
     listener(undefined);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-import { api, listenToStatus, type CaseInfo, type Status, type View } from './api';
+import { api, isWaiting, listenToStatus, type CaseInfo, type Status, type View, type Waiting } from './api';
 import { Controls } from './controls';
 import { CtChooser } from './ct_chooser';
 import { DocumentsPanel } from './documents_panel';
@@ -17,7 +17,7 @@ import { PlacementPanel } from './placement_panel';
 import { RecordingPanel } from './recording_panel';
 import { Stage } from './stage';
 import { StatusPanel } from './status_panel';
-import { adviceOf, bannerOf, snapshotName, touchLines } from './status_text';
+import { adviceOf, bannerOf, snapshotName, touchLines, waitingBanner } from './status_text';
 import { SurfacePanel } from './surface_panel';
 import { Tabs } from './tabs';
 import { TakeawayPanel } from './takeaway_panel';
@@ -38,6 +38,8 @@ export class App {
   private mode: Mode = 'live';
   private status: Status | undefined;
   private heard_ms = 0;
+  private waiting: Waiting | undefined;
+  private waited_ms = 0;
   /** The server's status shows the landmarks that were begun on this page. */
   private landmarksSeen = false;
   private view: View | undefined;
@@ -124,7 +126,7 @@ export class App {
     void this.live.connect();
     void this.loadCase();
     void this.cts.load();
-    listenToStatus((status) => this.showStatus(status));
+    listenToStatus((status) => (status && isWaiting(status) ? this.showWaiting(status) : this.showStatus(status)));
     setInterval(() => this.refresh(), REFRESH_MS);
     this.refresh();
   }
@@ -143,10 +145,22 @@ export class App {
     this.placement.showCase(this.info);
   }
 
+  /** There is no camera yet: nothing but that can be shown. */
+  private showWaiting(waiting: Waiting): void {
+    if (this.status) window.location.reload();
+    this.waiting = waiting;
+    this.waited_ms = performance.now();
+    setText(this.caseName, waiting.case);
+    document.title = `${waiting.case} – Morgagni`;
+    this.refresh();
+  }
+
   private showStatus(status: Status | undefined): void {
     const before = this.status;
     this.status = status;
     if (!status) return;
+    // A session has begun where this page waited for it.
+    if (this.waiting) window.location.reload();
     this.heard_ms = performance.now();
     // The server's view is shown once it knows all that was done here.
     if (!this.sender.isBusy) {
@@ -170,15 +184,17 @@ export class App {
 
   private refresh(): void {
     if (performance.now() - this.heard_ms > SILENCE_MS) this.status = undefined;
-    this.figures.show(this.status, this.live);
+    const waiting = performance.now() - this.waited_ms < SILENCE_MS ? this.waiting : undefined;
+    this.element.classList.toggle('no-camera', waiting !== undefined);
+    this.figures.show(this.status, this.live, waiting !== undefined);
     if (this.status?.state === 'lost' || this.status?.state === 'waiting') this.stage.hideReadout();
     this.stage.showUncertain(this.mode === 'live' && this.status?.state === 'uncertain');
     if (this.mode !== 'landmarks' && !this.stage.onTap) {
       this.stage.showHint(this.mode === 'placement'
         ? 'Move the camera until the body and the outline match' : adviceOf(this.status));
     }
-    this.stage.showBanner(
-      bannerOf(this.live.state(), this.live.ageMs(), this.live.problem, this.status,
+    this.stage.showBanner(waiting ? waitingBanner(waiting)
+      : bannerOf(this.live.state(), this.live.ageMs(), this.live.problem, this.status,
         this.mode === 'landmarks'));
   }
 

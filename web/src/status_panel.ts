@@ -4,7 +4,7 @@ import type { Status } from './api';
 import { h, setClass, setText } from './dom';
 import { icon } from './icons';
 import type { LiveVideo } from './live_video';
-import { milliseconds, millimetres, stateWords, type ShownState } from './status_text';
+import { calibrationText, milliseconds, millimetres, stateWords, type ShownState } from './status_text';
 
 /** One figure with its unit and what it means. */
 class Tile {
@@ -36,25 +36,30 @@ export class StatusPanel {
   private readonly latency = new Tile('Latency', 'ms');
   private readonly counts = h('span');
   private readonly stages = h('span');
+  private readonly calibration = h('span', { class: 'calibration' });
+  private readonly calibrationHint = h('span', { class: 'calibration-hint' });
 
   constructor() {
     this.element = h('section', { class: 'figures', 'aria-label': 'Figures' },
       h('div', { class: 'tiles' },
         ...[this.bound, this.residual, this.explained, this.rate, this.latency].map(
           (tile) => tile.element)),
-      h('div', { class: 'counts' }, this.counts, this.stages));
+      h('div', { class: 'counts' }, this.counts, this.stages, this.calibration, this.calibrationHint));
     this.showState('unknown', undefined);
   }
 
-  show(status: Status | undefined, live: LiveVideo): void {
+  /** @param isWaitedFor  There is no camera yet. */
+  show(status: Status | undefined, live: LiveVideo, isWaitedFor = false): void {
     this.rate.show(live.frameRate().toFixed(0));
     this.latency.show(milliseconds(live.latencyMs()));
-    this.showState(status?.state ?? 'unknown', status);
+    this.showState(status?.state ?? (isWaitedFor ? 'waiting' : 'unknown'), status);
     if (!status) {
       // What was true a while ago is no longer known.
       for (const tile of [this.bound, this.residual, this.explained]) tile.show('–');
       setText(this.counts, '');
       setText(this.stages, '');
+      setText(this.calibration, '');
+      setText(this.calibrationHint, '');
       return;
     }
     this.bound.show(millimetres(status.bound_mm));
@@ -67,6 +72,8 @@ export class StatusPanel {
       .join(' · ');
     setText(this.counts, `Frames: ${tracked} tracked · ${uncertain} uncertain · ${dropped} dropped · lost ${lost} times`);
     setText(this.stages, `ms: ${stages}`);
+    setText(this.calibration, calibrationText(status.calibration));
+    setText(this.calibrationHint, status.calibration.hint ?? '');
     // For those who want to know more than the picture's words say.
     this.element.title = status.search?.reason ?? '';
   }

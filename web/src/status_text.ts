@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-import type { Doubt, Search, Status, Touched, TrackingState } from './api';
+import type { Calibration, Doubt, Search, Status, Touched, TrackingState, Waiting } from './api';
 import type { Connection } from './live_video';
 
 /** `unknown`: the server says nothing. */
@@ -27,6 +27,7 @@ const DOUBT_WORDS: Record<Doubt, string> = {
 /** The state in words, with the error bound where there is one. */
 export function stateWords(state: ShownState, status: Status | undefined): string {
   const bound = boundText(status?.bound_mm);
+  if (state === 'waiting' && !status) return 'Waiting for the camera';
   if (state === 'waiting' && status?.starting === 'automatic') return 'Searching';
   if (state === 'uncertain' && status?.held) return 'Uncertain, pose held';
   return bound && (state === 'tracking' || state === 'uncertain')
@@ -77,6 +78,18 @@ export function milliseconds(value: number | null | undefined): string {
 export interface Banner {
   kind: 'bad' | 'calm';
   text: string;
+}
+
+/** What is waited for before there is a session. */
+export function waitingBanner({ camera, waiting_for_camera }: Waiting): Banner {
+  const name = camera.split(',')[0];  // The rest may be a secret.
+  return { kind: 'calm', text: `Waiting for the first picture of ${name} – ${waiting_for_camera}` };
+}
+
+/** Where the calibration in use is from, in words. */
+export function calibrationText({ source, age, depth_corrected }: Calibration): string {
+  return `Calibration: ${[source, age, depth_corrected ? 'depth corrected' : 'depth not corrected']
+    .filter(Boolean).join(', ')}`;
 }
 
 /** What must be said over the picture, because it is not what is now. */

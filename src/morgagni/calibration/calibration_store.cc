@@ -10,6 +10,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/camera/calibration_json.h"
+#include "morgagni/camera/device_id.h"
 #include "morgagni/core/files.h"
 #include "morgagni/core/log.h"
 #include "morgagni/core/utc.h"
@@ -22,33 +23,9 @@ using Json = nlohmann::ordered_json;
 using std::chrono::system_clock;
 
 constexpr std::uintmax_t kMaxBytes = 4U << 20U;
-constexpr std::size_t kMaxIdBytes = 100;
 
 tl::unexpected<Error> bad(std::string message) {
   return make_error(ErrorCode::kInvalidArgument, "kept calibration: " + std::move(message));
-}
-
-/// An id becomes the name of a folder.
-Result<void> check_id(const std::string& id) {
-  const auto is_plain = [](char c) {
-    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' ||
-           c == '_' || c == '.';
-  };
-  if (!id.empty() && id.size() <= kMaxIdBytes && id.front() != '.' &&
-      std::ranges::all_of(id, is_plain)) {
-    return {};
-  }
-  return bad(
-      fmt::format("'{}' is no device's id: letters, digits, '-', '_' and '.' alone, at most {}",
-                  id,
-                  kMaxIdBytes));
-}
-
-Result<system_clock::time_point> parse_utc(const std::string& text) {
-  std::tm time{};
-  const char* end = strptime(text.c_str(), "%Y-%m-%dT%H:%M:%SZ", &time);
-  if (end == nullptr || *end != '\0') return bad(fmt::format("'{}' is no time in UTC", text));
-  return system_clock::from_time_t(timegm(&time));
 }
 
 Result<std::string> text_of(const Json& json, const char* key) {
@@ -98,7 +75,7 @@ fs::path CalibrationStore::default_folder() {
 }
 
 Result<fs::path> CalibrationStore::save(KeptCalibration kept) const {
-  MOR_CHECK(check_id(kept.device_id));
+  MOR_CHECK(check_device_id(kept.device_id));
   const auto stamp = utc_text(kept.made_at);
   kept.calibration.origin = fmt::format("{}, {}", kept.made_by, stamp);
   const auto folder = folder_ / kept.device_id;
@@ -117,7 +94,7 @@ Result<fs::path> CalibrationStore::save(KeptCalibration kept) const {
 }
 
 std::optional<KeptCalibration> CalibrationStore::newest(const std::string& device_id) const {
-  if (!check_id(device_id)) return std::nullopt;
+  if (!check_device_id(device_id)) return std::nullopt;
   return newest_in(folder_ / device_id);
 }
 
@@ -164,7 +141,7 @@ Result<KeptCalibration> kept_calibration_from_json(std::string_view text) {
   if (!json.is_object()) return bad("is no JSON object");
   KeptCalibration kept;
   MOR_TRY(kept.device_id, text_of(json, "device_id"));
-  MOR_CHECK(check_id(kept.device_id));
+  MOR_CHECK(check_device_id(kept.device_id));
   MOR_TRY(const auto made_at, text_of(json, "made_at"));
   MOR_TRY(kept.made_at, parse_utc(made_at));
   MOR_TRY(kept.made_by, text_of(json, "made_by"));

@@ -268,8 +268,10 @@ Result<FreenectOptions> FreenectOptions::parse(std::string_view text) {
       options.index = static_cast<int>(index);
     } else if (pair.key == "calibration") {
       options.calibration_file = pair.value;
+    } else if (pair.key == "device") {
+      MOR_TRY(options.device_id, internal::parse_device_id(pair));
     } else {
-      return internal::unknown_key("freenect", pair, {"index", "calibration"});
+      return internal::unknown_key("freenect", pair, {"index", "calibration", "device"});
     }
   }
   return options;
@@ -279,7 +281,8 @@ Result<std::unique_ptr<RangeCamera>> open_freenect(const FreenectOptions& option
   MOR_TRY(auto library, FreenectLibrary::load(options.library));
   MOR_TRY(auto device, Device::open(std::move(library), options.index));
   MOR_TRY(const auto geometry, geometry_of(*device));
-  auto device_id = device_id_of(*device, options.index);
+  auto device_id =
+      options.device_id.empty() ? device_id_of(*device, options.index) : options.device_id;
   MOR_TRY(auto calibration, calibration_for(options, device_id, geometry));
   auto camera = std::make_unique<FreenectCamera>(
       std::move(device), std::move(device_id), geometry, std::move(calibration));

@@ -17,6 +17,8 @@ struct FreenectOptions {
   /// [calibration] A JSON file (calibration_json.h); without it, the device's own memory gives the
   /// triangulation and the design the rest.
   std::string calibration_file = {};
+  /// [device] Under which a calibration is kept, in place of the id that the camera gives.
+  std::string device_id = {};
   /// What is loaded: libfreenect, or a library with its functions.
   std::string library = "libfreenect.so.0.5";
   KnownCalibration known = {};  ///< Asked where there is no calibration file.

@@ -2,10 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/camera/open_camera.h"
 
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/camera/freenect_camera.h"
 #include "morgagni/camera/internal/key_values.h"
+#include "morgagni/camera/internal/wait_until.h"
 #include "morgagni/camera/mcap_recording.h"
 #include "morgagni/camera/openni2_camera.h"
 #include "morgagni/camera/push_camera.h"
@@ -56,7 +61,41 @@ Result<std::unique_ptr<RangeCamera>> open_recording(std::string_view kind, std::
   return play_recording(std::make_unique<const T>(std::move(recording)), name.options);
 }
 
+/// Opens it as soon as it can be opened.
+Result<std::unique_ptr<RangeCamera>> watch_from_when_it_is_there(CameraOpener open,
+                                                                 const std::stop_token& stop,
+                                                                 const SayWaiting& say) {
+  constexpr std::chrono::milliseconds kRetry{500};
+  std::string said;
+  while (true) {
+    auto camera = watch_camera(open);
+    const bool may_come = !camera && (camera.error().code == ErrorCode::kDevice ||
+                                      camera.error().code == ErrorCode::kNotFound);
+    if (!may_come || !say) return camera;
+    if (camera.error().message != said) say(camera.error().message);
+    said = camera.error().message;
+    internal::wait_until(std::chrono::steady_clock::now() + kRetry, stop);
+    if (stop.stop_requested()) {
+      return make_error(ErrorCode::kCancelled, "stopped before the camera came: " + said);
+    }
+  }
+}
+
+/// A file that is missing will not come by being waited for.
+Result<void> check_calibration_file(const std::string& file) {
+  if (file.empty() || std::filesystem::exists(file)) return {};
+  return make_error(ErrorCode::kNotFound, fmt::format("{}: no such file", file));
+}
+
 }  // namespace
+
+bool is_device_camera(std::string_view name) {
+  const auto rest = name.substr(std::min(name.find(':'), name.size()));
+  const auto kind = name.substr(0, name.size() - rest.size());
+  // An .oni file is a recording.
+  if (kind == "openni2") return !rest.empty() && !rest.substr(0, rest.find(',')).ends_with(".oni");
+  return !rest.empty() && (kind == "freenect" || kind == "push" || kind == "v4l2");
+}
 
 Result<std::unique_ptr<RangeCamera>> open_camera(const std::string& name,
                                                  std::shared_ptr<const TriangleMesh> skin,
@@ -67,7 +106,8 @@ Result<std::unique_ptr<RangeCamera>> open_camera(const std::string& name,
 Result<std::unique_ptr<RangeCamera>> open_camera(const std::string& name,
                                                  std::shared_ptr<const TriangleMesh> skin,
                                                  std::stop_token stop,
-                                                 const KnownCalibration& known) {
+                                                 const KnownCalibration& known,
+                                                 const SayWaiting& say) {
   const auto colon = name.find(':');
   const std::string_view kind = std::string_view(name).substr(0, colon);
   const std::string_view rest =
@@ -75,23 +115,27 @@ Result<std::unique_ptr<RangeCamera>> open_camera(const std::string& name,
   if (colon != std::string::npos && kind == "freenect") {
     MOR_TRY(auto options, FreenectOptions::parse(rest));
     options.known = known;
-    return watch_camera([options] { return open_freenect(options); });
+    MOR_CHECK(check_calibration_file(options.calibration_file));
+    return watch_from_when_it_is_there([options] { return open_freenect(options); }, stop, say);
   }
   if (colon != std::string::npos && kind == "openni2") {
     MOR_TRY(auto options, Openni2Options::parse(rest));
     options.known = known;
     // A recording ends; a device is to come back.
     if (options.uri.ends_with(".oni")) return open_openni2(options);
-    return watch_camera([options] { return open_openni2(options); });
+    MOR_CHECK(check_calibration_file(options.calibration_file));
+    return watch_from_when_it_is_there([options] { return open_openni2(options); }, stop, say);
   }
   if (colon != std::string::npos && kind == "v4l2") {
     MOR_TRY(auto options, V4l2Options::parse(rest));
     options.known = known;
-    return watch_camera([options] { return open_v4l2(options); });
+    MOR_CHECK(check_calibration_file(options.calibration_file));
+    return watch_from_when_it_is_there([options] { return open_v4l2(options); }, stop, say);
   }
   if (colon != std::string::npos && kind == "push") {
-    MOR_TRY(const auto options, PushOptions::parse(rest));
-    return open_push(options, std::move(stop));
+    MOR_TRY(auto options, PushOptions::parse(rest));
+    options.known = known;
+    return open_push(options, std::move(stop), say);
   }
   if (colon != std::string::npos && kind == "tum") return open_recording<TumRecording>(kind, rest);
   if (colon != std::string::npos && kind == "mcap") {

@@ -256,7 +256,9 @@ class Openni2Camera final : public RangeCamera {
     MOR_TRY(calibration->depth, depth_->pinhole());
     MOR_TRY(calibration->color, color_->pinhole());
     calibration->color_from_depth.translation().x() = -kColorDistanceMm;
-    device_id_ = is_recording_ ? std::string() : serial_number();
+    device_id_ = !options.device_id.empty() ? options.device_id
+                 : is_recording_            ? std::string()
+                                            : serial_number();
     MOR_TRY(*calibration,
             internal::choose_calibration(
                 options.calibration_file, options.known, device_id_, *calibration));
@@ -327,8 +329,13 @@ Result<Openni2Options> Openni2Options::parse(std::string_view text) {
   }
   MOR_TRY(const auto pairs, internal::split_key_values(text));
   for (const auto& pair : pairs) {
-    if (pair.key != "calibration") return internal::unknown_key("openni2", pair, {"calibration"});
-    options.calibration_file = pair.value;
+    if (pair.key == "calibration") {
+      options.calibration_file = pair.value;
+    } else if (pair.key == "device") {
+      MOR_TRY(options.device_id, internal::parse_device_id(pair));
+    } else {
+      return internal::unknown_key("openni2", pair, {"calibration", "device"});
+    }
   }
   return options;
 }

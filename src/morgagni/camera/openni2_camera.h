@@ -16,6 +16,8 @@ struct Openni2Options {
       {};  ///< A recording's path, or OpenNI's name of a device. Empty: the first device.
   std::string calibration_file = {};  ///< [calibration] A JSON file (calibration_json.h). Without
                                       ///< it, the driver's fields of view and the design's 25 mm.
+  /// [device] Under which a calibration is kept, in place of the id that the camera gives.
+  std::string device_id = {};
   std::string library = "libOpenNI2.so.0";  ///< What is loaded.
   KnownCalibration known = {};              ///< Asked where there is no calibration file.
 

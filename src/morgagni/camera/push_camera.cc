@@ -47,8 +47,12 @@ Result<std::shared_ptr<const RgbdFrame>> unpack(Pair pair, std::uint64_t frame_i
 /// One life of the device; the server outlives it.
 class PushCamera final : public RangeCamera {
  public:
-  PushCamera(std::shared_ptr<PushServer> server, std::shared_ptr<const RgbdCalibration> calibration)
-      : server_(std::move(server)), calibration_(std::move(calibration)) {}
+  PushCamera(std::shared_ptr<PushServer> server,
+             std::shared_ptr<const RgbdCalibration> calibration,
+             std::string device_id)
+      : server_(std::move(server)),
+        calibration_(std::move(calibration)),
+        device_id_(std::move(device_id)) {}
 
   Result<std::shared_ptr<const RgbdFrame>> next_frame(std::stop_token stop) override {
     auto pair = server_->inbox().wait(kPatience, stop);
@@ -64,30 +68,41 @@ class PushCamera final : public RangeCamera {
   }
 
   const RgbdCalibration& calibration() const override { return *calibration_; }
+  std::string device_id() const override { return device_id_; }
 
  private:
   std::shared_ptr<PushServer> server_;
   std::shared_ptr<const RgbdCalibration> calibration_;
+  std::string device_id_;
   std::uint64_t next_id_ = 0;
 };
 
-/// How the first device sees that sends a frame that can be unpacked.
-Result<std::shared_ptr<const RgbdCalibration>> first_calibration(PushServer& server,
-                                                                 std::stop_token stop) {
+/// Who a device is, and how it sees.
+struct Device {
+  std::shared_ptr<const RgbdCalibration> calibration;
+  std::string id;
+};
+
+/// The first one that sends a frame that can be unpacked.
+Result<Device> first_device(PushServer& server, std::stop_token stop, const SayWaiting& say) {
   std::string said;
   auto said_at = std::chrono::steady_clock::now();
   while (!stop.stop_requested()) {
     auto pair = server.inbox().wait(kPatience, stop);
     if (pair) {
-      const auto calibration = pair->calibration;
+      Device device{pair->calibration, pair->device_id};
       const auto frame = unpack(*std::move(pair), 0);
-      if (frame) return calibration;
+      if (frame) return device;
       server.complain(frame.error().message);
     }
     const auto now = std::chrono::steady_clock::now();
     auto reason = server.inbox().reason();
     if (stop.stop_requested() || (reason == said && now - said_at < kRemindEach)) continue;
-    log::info("push: {}", reason);
+    if (!say) {
+      log::info("push: {}", reason);
+    } else if (reason != said) {
+      say(reason);
+    }
     said = std::move(reason);
     said_at = now;
   }
@@ -98,7 +113,10 @@ Result<std::shared_ptr<const RgbdCalibration>> calibration_from_file(const std::
   if (path.empty()) return nullptr;
   MOR_TRY(const auto text, read_text_file(path, kMaxCalibrationBytes));
   auto calibration = calibration_from_json(text);
-  if (calibration) return std::make_shared<const RgbdCalibration>(*std::move(calibration));
+  if (calibration) {
+    if (calibration->origin.empty()) calibration->origin = path;
+    return std::make_shared<const RgbdCalibration>(*std::move(calibration));
+  }
   return make_error(calibration.error().code,
                     fmt::format("{}: {}", path, calibration.error().message));
 }
@@ -134,29 +152,38 @@ Result<PushOptions> PushOptions::parse(std::string_view text) {
       }
     } else if (pair.key == "calibration") {
       options.calibration_file = pair.value;
+    } else if (pair.key == "device") {
+      MOR_TRY(options.device_id, internal::parse_device_id(pair));
     } else if (pair.key == "tolerance_ms") {
       MOR_TRY(const auto tolerance, internal::parse_count(pair, 1, 1000));
       options.tolerance = std::chrono::milliseconds(tolerance);
     } else {
-      return internal::unknown_key("push", pair, {"token", "calibration", "tolerance_ms"});
+      return internal::unknown_key(
+          "push", pair, {"token", "calibration", "device", "tolerance_ms"});
     }
   }
   return options;
 }
 
-Result<std::unique_ptr<RangeCamera>> open_push(const PushOptions& options, std::stop_token stop) {
-  MOR_TRY(auto calibration, calibration_from_file(options.calibration_file));
+Result<std::unique_ptr<RangeCamera>> open_push(const PushOptions& options,
+                                               std::stop_token stop,
+                                               const SayWaiting& say) {
+  Device device{nullptr, options.device_id};
+  MOR_TRY(device.calibration, calibration_from_file(options.calibration_file));
   MOR_TRY(std::shared_ptr<PushServer> server,
           PushServer::start(
               {options.host, options.port, options.token}, [&](const std::string& address) {
-                return std::make_shared<Inbox>(address, options.tolerance, calibration);
+                return std::make_shared<Inbox>(
+                    address,
+                    internal::push::InboxOptions{
+                        options.tolerance, device.calibration, options.device_id, options.known});
               }));
   log::info("push: listening at {}", server->address());
-  if (!calibration) {
-    MOR_TRY(calibration, first_calibration(*server, std::move(stop)));
+  if (!device.calibration) {
+    MOR_TRY(device, first_device(*server, std::move(stop), say));
   }
-  return watch_camera([server, calibration]() -> Result<std::unique_ptr<RangeCamera>> {
-    return std::make_unique<PushCamera>(server, calibration);
+  return watch_camera([server, device]() -> Result<std::unique_ptr<RangeCamera>> {
+    return std::make_unique<PushCamera>(server, device.calibration, device.id);
   });
 }
 

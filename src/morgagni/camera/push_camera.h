@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "morgagni/camera/open_camera.h"
 #include "morgagni/camera/range_camera.h"
 
 namespace mor {
@@ -20,6 +21,9 @@ struct PushOptions {
   std::string token = {};          ///< [token] What a device must say. At least 8 characters.
   /// [calibration] A JSON file (calibration_json.h); without it, the device sends CameraInfo.
   std::string calibration_file = {};
+  /// [device] Under which a calibration is kept, in place of what the device calls itself.
+  std::string device_id = {};
+  KnownCalibration known = {};              ///< Asked where there is no calibration file.
   std::chrono::milliseconds tolerance{20};  ///< [tolerance_ms] Stamps of a pair, apart. 1..1000.
 
   [[nodiscard]] static Result<PushOptions> parse(std::string_view text);
@@ -34,7 +38,9 @@ struct PushOptions {
 /// is watched (watched_camera.h): a device that goes, and garbage, are said and waited over.
 /// @errors kInvalidArgument (options, calibration file), kDevice (the port is in use), kCancelled
 /// (`stop` was requested before a device came).
+/// @param say  Told what it waits for, each time that changes.
 [[nodiscard]] Result<std::unique_ptr<RangeCamera>> open_push(const PushOptions& options,
-                                                             std::stop_token stop);
+                                                             std::stop_token stop,
+                                                             const SayWaiting& say = {});
 
 }  // namespace mor

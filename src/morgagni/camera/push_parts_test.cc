@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
 #include <zstd.h>
 
 #include "morgagni/camera/internal/byte_io.h"
@@ -322,6 +323,21 @@ TEST(ClientChannels, AnswersWhatItCannotUse) {
   EXPECT_THAT(last, HasSubstr("more than 64 channels"));
 }
 
+TEST(ClientChannels, HearsWhoTheDeviceIs) {
+  ClientChannels channels;
+  EXPECT_EQ(channels.device(), "");
+  EXPECT_THAT(channels.on_text(R"({"op":"advertise","channels":[],"device":"D435.9044"})"),
+              IsEmpty());
+  EXPECT_EQ(channels.device(), "D435.9044");
+  for (const char* name : {R"("../kinect")", R"("")", R"(7)", R"("a b")", R"(".x")"}) {
+    const auto answers =
+        channels.on_text(fmt::format(R"({{"op":"advertise","channels":[],"device":{}}})", name));
+    ASSERT_EQ(answers.size(), 1U) << name;
+    EXPECT_THAT(answers[0].message, HasSubstr("is no device's id"));
+    EXPECT_EQ(channels.device(), "D435.9044") << "as it was";
+  }
+}
+
 TEST(ClientChannels, GreetsAsTheProtocolWants) {
   const auto info = nlohmann::json::parse(ClientChannels::greeting().front());
   EXPECT_EQ(info["op"], "serverInfo");
@@ -333,7 +349,7 @@ constexpr std::uint64_t kMs = 1'000'000;
 
 class InboxTest : public testing::Test {
  protected:
-  Result<void> put(const std::string& topic, Message message) {
+  virtual Result<void> put(const std::string& topic, Message message) {
     return inbox_.put({topic, std::move(message)}, now_);
   }
   Result<void> depth(std::uint64_t stamp_ms) {
@@ -361,8 +377,45 @@ class InboxTest : public testing::Test {
   }
   std::optional<Pair> take() { return inbox_.wait(milliseconds(0), {}); }
 
-  Inbox inbox_{"ws://here", milliseconds(20), nullptr};
+  Inbox inbox_{"ws://here", {}};
   Clock::time_point now_ = Clock::now();
+};
+
+/// Of the device A1 a calibration is kept.
+class KnownDeviceTest : public InboxTest {
+ protected:
+  KnownDeviceTest() { make(""); }
+  void make(const std::string& device_id) {
+    device_ = std::make_unique<Inbox>(
+        "ws://here",
+        InboxOptions{.device_id = device_id, .known = [this](const auto& id, const auto& said) {
+                       return known(id, said);
+                     }});
+  }
+  Result<std::optional<RgbdCalibration>> known(const std::string& id, const RgbdCalibration& said) {
+    ++num_asked_;
+    if (id != "push-A1") return std::nullopt;
+    auto kept = said;
+    kept.depth.focal_x_px = 77.0;
+    kept.origin = "board, 2026-01-31T10:00:00Z";
+    return kept;
+  }
+  Result<void> put(const std::string& topic, Message message) override {
+    return device_->put({topic, std::move(message)}, now_);
+  }
+  /// Of a device that has just come.
+  Pair pair_of(const std::string& name, std::uint64_t stamp_ms) {
+    device_->device_went();
+    device_->device_came();
+    if (!name.empty()) device_->device_is(name);
+    describe();
+    EXPECT_TRUE(depth(stamp_ms));
+    EXPECT_TRUE(color(stamp_ms));
+    return device_->wait(milliseconds(0), {}).value();
+  }
+
+  int num_asked_ = 0;
+  std::unique_ptr<Inbox> device_;
 };
 
 TEST_F(InboxTest, PairsByStampAndTheNewestWins) {
@@ -405,6 +458,26 @@ TEST_F(InboxTest, SaysWhatIsMissing) {
   EXPECT_THAT(inbox_.reason(), HasSubstr("cannot be used: that"));
   inbox_.device_went();
   EXPECT_THAT(inbox_.reason(), HasSubstr("no device"));
+}
+
+TEST_F(KnownDeviceTest, TakesTheKeptCalibrationInPlaceOfItsOwnWord) {
+  const auto pair = pair_of("A1", 100);
+  EXPECT_EQ(pair.device_id, "push-A1");
+  EXPECT_EQ(pair.calibration->origin, "board, 2026-01-31T10:00:00Z");
+  EXPECT_EQ(pair.calibration->depth.focal_x_px, 77.0);
+  EXPECT_EQ(pair_of("A1", 200).calibration, pair.calibration) << "after a reconnection";
+  EXPECT_EQ(num_asked_, 1);
+  const auto other = pair_of("B2", 300);
+  EXPECT_EQ(other.device_id, "push-B2");
+  EXPECT_EQ(other.calibration->depth, sample_calibration()->depth);
+  EXPECT_EQ(pair_of("", 400).device_id, "") << "what the last device said is forgotten";
+  EXPECT_EQ(num_asked_, 2) << "nothing is known of who has no name";
+}
+
+TEST_F(KnownDeviceTest, IsWhoTheUserSays) {
+  make("mine");
+  EXPECT_EQ(pair_of("A1", 100).device_id, "mine");
+  EXPECT_EQ(pair_of("", 200).device_id, "mine");
 }
 
 TEST_F(InboxTest, WrongStampsAreRefused) {

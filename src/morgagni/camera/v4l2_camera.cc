@@ -10,6 +10,7 @@
 #include <libyuv.h>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/camera/device_id.h"
 #include "morgagni/camera/internal/calibration_file.h"
 #include "morgagni/camera/internal/key_values.h"
 #include "morgagni/camera/internal/v4l2/video_stream.h"
@@ -229,17 +230,20 @@ std::shared_ptr<const VideoSystem> or_real(std::shared_ptr<const VideoSystem> sy
   return system ? std::move(system) : internal::real_video_system();
 }
 
-/// "v4l2-904412060323". The interface of a USB device is the folder below that with its number.
-std::string device_id_of(const std::filesystem::path& sysfs, const std::string& device) {
+/// "v4l2-904412060323", or by where it is plugged in, "v4l2-usb-0000-00-14.0-2". The interface of a
+/// USB device is the folder below that with its number.
+std::string device_id_of(const std::filesystem::path& sysfs,
+                         const std::string& device,
+                         const std::string& bus) {
   std::error_code status;
   const auto name = std::filesystem::path(device).filename();
   const auto place = std::filesystem::canonical(sysfs / name / "device", status);
   std::ifstream file(place.parent_path() / "serial");
   std::string serial;
-  file >> serial;
-  const auto is_plain = [](unsigned char letter) { return std::isalnum(letter) != 0; };
-  if (status || serial.empty() || !std::ranges::all_of(serial, is_plain)) return {};
-  return "v4l2-" + serial;
+  if (!status) std::getline(file, serial);
+  auto id = plain_device_id(serial);
+  if (id.empty()) id = plain_device_id(bus);
+  return id.empty() ? id : "v4l2-" + id;
 }
 
 /// The number in "video12". None: another name.
@@ -272,8 +276,10 @@ Result<V4l2Options> V4l2Options::parse(std::string_view text) {
     } else if (pair.key == "format") {
       MOR_TRY(const auto choice, internal::parse_choice(pair, {"z16", "y16"}));
       options.is_y16 = choice == 1;
+    } else if (pair.key == "device") {
+      MOR_TRY(options.device_id, internal::parse_device_id(pair));
     } else {
-      return internal::unknown_key("v4l2", pair, {"color", "calibration", "format"});
+      return internal::unknown_key("v4l2", pair, {"color", "calibration", "device", "format"});
     }
   }
   return options;
@@ -290,7 +296,9 @@ Result<std::unique_ptr<RangeCamera>> open_v4l2(const V4l2Options& options,
     MOR_TRY(auto opened, VideoStream::open(system, options.color_device, kColorFormats));
     color.emplace(std::move(opened));
   }
-  auto device_id = device_id_of(options.sysfs, options.depth_device);
+  auto device_id = options.device_id.empty()
+                       ? device_id_of(options.sysfs, options.depth_device, depth.bus())
+                       : options.device_id;
   MOR_TRY(auto calibration,
           internal::choose_calibration(options.calibration_file,
                                        options.known,
@@ -303,6 +311,7 @@ Result<std::unique_ptr<RangeCamera>> open_v4l2(const V4l2Options& options,
 }
 
 std::vector<DepthVideoDevice> list_depth_video_devices(const std::filesystem::path& folder,
+                                                       const std::filesystem::path& sysfs,
                                                        std::shared_ptr<const VideoSystem> given) {
   const auto system = or_real(std::move(given));
   std::vector<std::pair<int, std::string>> paths;
@@ -324,7 +333,8 @@ std::vector<DepthVideoDevice> list_depth_video_devices(const std::filesystem::pa
            "",
            "this user may not use it: sudo usermod -aG video $USER, then log in again"});
     } else if (device && has_format(*device, internal::kZ16)) {
-      found.push_back({path, device->card, "v4l2:" + path, ""});
+      found.push_back(
+          {path, device->card, "v4l2:" + path, "", device_id_of(sysfs, path, device->bus)});
     } else if (device &&
                (has_format(*device, internal::kYuyv) || has_format(*device, internal::kMjpg))) {
       colors.emplace_back(path, device->card);

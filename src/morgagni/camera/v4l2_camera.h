@@ -23,9 +23,12 @@ struct V4l2Options {
   /// [calibration] A JSON file (calibration_json.h). Without it, the design of a RealSense D435 is
   /// taken, which no other camera has.
   std::string calibration_file = {};
+  /// [device] Under which a calibration is kept, in place of the id that the camera gives.
+  std::string device_id = {};
   bool is_y16 =
       false;  ///< [format=z16|y16] Depth comes as Y16, which most cameras use for infrared.
-  /// Asked by the serial number of the USB device, where it has one.
+  /// Asked by the serial number of the USB device; where it has none, by the kernel's word of the
+  /// place on the bus, which another plug changes.
   KnownCalibration known = {};
   std::filesystem::path sysfs = "/sys/class/video4linux";  ///< Where the kernel lists the devices.
 
@@ -46,11 +49,13 @@ struct DepthVideoDevice {
   std::string card;    ///< What its driver calls it. Empty: it may not be looked at.
   std::string camera;  ///< What opens it: "v4l2:/dev/video0,color=/dev/video4". Empty: nothing.
   std::string advice;  ///< What to do before it can be used. Empty: nothing.
+  std::string device_id = {};  ///< RangeCamera::device_id() of it.
 };
 
 /// @param folder  Where the devices' files are: /dev.
 [[nodiscard]] std::vector<DepthVideoDevice> list_depth_video_devices(
     const std::filesystem::path& folder = "/dev",
+    const std::filesystem::path& sysfs = V4l2Options{}.sysfs,
     std::shared_ptr<const internal::VideoSystem> system = nullptr);
 
 }  // namespace mor

@@ -28,6 +28,7 @@ using Clock = std::chrono::steady_clock;
 /// A video device of the pretended kernel, and all that can be wrong with it.
 struct FakeDevice {
   std::string card = "Pretended Depth Camera";
+  std::string bus = "usb-0000:00:14.0-2";
   std::uint32_t format = internal::kZ16;
   std::uint32_t width = 64, height = 48, row_bytes = 136;  // Rows longer than their pixels.
   std::uint32_t capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
@@ -115,6 +116,7 @@ class FakeKernel : public internal::VideoSystem {
       case VIDIOC_QUERYCAP: {
         auto& capability = *static_cast<v4l2_capability*>(argument);
         std::strncpy(reinterpret_cast<char*>(capability.card), device.card.c_str(), 31);
+        std::strncpy(reinterpret_cast<char*>(capability.bus_info), device.bus.c_str(), 31);
         capability.capabilities = device.capabilities;
         return 0;
       }
@@ -380,11 +382,17 @@ TEST_F(V4l2Test, AsksForWhatIsKnownOfItByItsSerialNumber) {
     known.depth.focal_x_px = id == "v4l2-904412060323" ? 41.5 : 0.0;
     return Result<std::optional<RgbdCalibration>>(known);
   };
-  EXPECT_EQ(open_v4l2(options, kernel_).value()->device_id(), "") << "it has no number";
+  EXPECT_EQ(open_v4l2(options, kernel_).value()->device_id(), "v4l2-usb-0000-00-14.0-2")
+      << "it has no number: where it is plugged in";
+  depth().bus = "";
+  EXPECT_EQ(open_v4l2(options, kernel_).value()->device_id(), "") << "nothing tells it apart";
   std::ofstream(sysfs / "usb/2-1/serial") << "904412060323\n";
-  const auto camera = open_v4l2(options, kernel_).value();
+  auto camera = open_v4l2(options, kernel_).value();
   EXPECT_EQ(camera->device_id(), "v4l2-904412060323");
   EXPECT_EQ(camera->calibration().depth.focal_x_px, 41.5);
+  camera.reset();  // One at a time.
+  options.device_id = "mine";
+  EXPECT_EQ(open_v4l2(options, kernel_).value()->device_id(), "mine");
   std::filesystem::remove_all(sysfs);
 }
 
@@ -400,21 +408,24 @@ TEST_F(V4l2Test, AreListedWithTheirColourOrWithAdvice) {
   devices[folder / "video2"] = depth_device();
   devices[folder / "video10"].open_error = EACCES;
   const auto found =
-      list_depth_video_devices(folder, std::make_shared<FakeKernel>(std::move(devices)));
+      list_depth_video_devices(folder, folder, std::make_shared<FakeKernel>(std::move(devices)));
   ASSERT_EQ(found.size(), 2U);
   EXPECT_EQ(found[0].camera,
             "v4l2:" + (folder / "video2").string() + ",color=" + (folder / "video4").string());
   EXPECT_EQ(found[0].card, "Pretended Depth Camera");
+  EXPECT_EQ(found[0].device_id, "v4l2-usb-0000-00-14.0-2");
   EXPECT_THAT(found[1].advice, HasSubstr("video $USER"));
   EXPECT_THAT(list_depth_video_devices("/nowhere"), IsEmpty());
   std::filesystem::remove_all(folder);
 }
 
 TEST(V4l2Options, AreReadFromTheName) {
-  const auto options = V4l2Options::parse("/dev/video2,color=/dev/video6,format=y16").value();
+  const auto options =
+      V4l2Options::parse("/dev/video2,color=/dev/video6,format=y16,device=bench").value();
   EXPECT_EQ(options.depth_device, "/dev/video2");
   EXPECT_EQ(options.color_device, "/dev/video6");
   EXPECT_TRUE(options.is_y16);
+  EXPECT_EQ(options.device_id, "bench");
   EXPECT_THAT(V4l2Options::parse("").error().message, HasSubstr("needs a device"));
   EXPECT_THAT(V4l2Options::parse("/dev/video0,format=z17").error().message, HasSubstr("z16, y16"));
   EXPECT_THAT(V4l2Options::parse("/dev/video0,fps=9").error().message, HasSubstr("'fps'"));

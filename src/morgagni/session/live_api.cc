@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/session/live_api.h"
 
+#include "morgagni/core/printable_text.h"
+#include "morgagni/core/utc.h"
 #include "morgagni/session/api_json.h"
 #include "morgagni/session/case_routes.h"
 #include "morgagni/session/start_routes.h"
@@ -34,13 +36,25 @@ std::string_view starting(const LiveStatus& status) {
   return status.last.ct_from_ghost ? "placement" : "automatic";
 }
 
+Json calibration_json(const CalibrationOrigin& origin) {
+  const auto or_null = [](const std::string& text) {
+    return text.empty() ? Json(nullptr) : Json(text);
+  };
+  return {{"source", printable_text(origin.source)},
+          {"made_at", origin.made_at ? Json(utc_text(*origin.made_at)) : Json(nullptr)},
+          {"age", or_null(origin.age)},
+          {"depth_corrected", origin.is_depth_corrected},
+          {"hint", or_null(printable_text(origin.hint))}};
+}
+
 }  // namespace
 
 std::string status_json(const LiveStatus& status,
                         const ViewSettings& view,
                         const LiveServerStats& stream,
                         std::string_view method,
-                        std::string_view camera) {
+                        std::string_view camera,
+                        const CalibrationOrigin& calibration) {
   const auto& last = status.last;
   const auto& registration = last.registration;
   Json json = {
@@ -74,6 +88,7 @@ std::string status_json(const LiveStatus& status,
       {"method", method},
       {"camera", camera},
       {"camera_error", nullptr},
+      {"calibration", calibration_json(calibration)},
       {"viewers", stream.num_viewers},
       {"view", Json::parse(to_json(view))}};
   const bool has_start = last.state != TrackingState::kWaiting;

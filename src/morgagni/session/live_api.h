@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "morgagni/calibration/calibration_origin.h"
 #include "morgagni/session/live_loop.h"
 #include "morgagni/stream/live_server.h"
 
@@ -22,6 +23,7 @@ namespace mor {
                                       const ViewSettings& view,
                                       const LiveServerStats& stream,
                                       std::string_view method,
-                                      std::string_view camera);
+                                      std::string_view camera,
+                                      const CalibrationOrigin& calibration);
 
 }  // namespace mor

@@ -421,7 +421,8 @@ TEST_F(LiveLoopTest, TheEndOfARecordingIsSaid) {
 
 TEST(StatusJson, HasEveryMemberThePageReads) {
   LiveStatus status;
-  const auto json = Json::parse(status_json(status, {}, {}, "field", "simulated:"));
+  const auto json = Json::parse(
+      status_json(status, {}, {}, "field", "simulated:", {.source = "found with a board"}));
   for (const char* member : {"state",
                              "held",
                              "doubts",
@@ -440,6 +441,7 @@ TEST(StatusJson, HasEveryMemberThePageReads) {
                              "method",
                              "camera",
                              "camera_error",
+                             "calibration",
                              "viewers",
                              "view"}) {
     EXPECT_TRUE(json.contains(member)) << member;
@@ -449,10 +451,16 @@ TEST(StatusJson, HasEveryMemberThePageReads) {
   status.search = {.is_searching = true,
                    .last = AutomaticStartStatus::kAmbiguous,
                    .reason = "the body looks alike"};
-  const auto searching = Json::parse(status_json(status, {}, {}, "field", "simulated:"));
+  const auto searching = Json::parse(status_json(status, {}, {}, "field", "simulated:", {}));
   EXPECT_EQ(searching["search"]["searching"], true);
   EXPECT_EQ(searching["search"]["last"], "ambiguous");
   EXPECT_TRUE(json["rms_distance_mm"].is_null());
+  EXPECT_EQ(json["calibration"],
+            (Json{{"source", "found with a board"},
+                  {"made_at", nullptr},
+                  {"age", nullptr},
+                  {"depth_corrected", false},
+                  {"hint", nullptr}}));
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ class Session final : public LiveSession {
           std::unique_ptr<LiveServer> server,
           std::optional<FolderLock> in_use,
           std::shared_ptr<Recorder> recorder,
+          RgbdCalibration calibration,
           const LiveSessionOptions& options)
       : in_use_(std::move(in_use)),
         loop_(std::move(loop)),
@@ -36,6 +37,7 @@ class Session final : public LiveSession {
         recorder_(std::move(recorder)),
         method_(to_string(options.loop.registration.method)),
         camera_name_(options.camera_name),
+        calibration_(std::move(calibration)),
         status_thread_([this](std::stop_token stop) { report(stop); }) {}
 
   std::uint16_t port() const override { return server_->port(); }
@@ -48,8 +50,13 @@ class Session final : public LiveSession {
     std::condition_variable_any tick;
     std::unique_lock lock(mutex);
     while (!stop.stop_requested()) {
+      const auto status = loop_->status();
+      const auto& frame = status.last.frame;
+      const auto origin = calibration_origin(frame ? *frame->calibration : calibration_,
+                                             camera_name_,
+                                             std::chrono::system_clock::now());
       server_->publish_status(
-          status_json(loop_->status(), loop_->view(), server_->stats(), method_, camera_name_));
+          status_json(status, loop_->view(), server_->stats(), method_, camera_name_, origin));
       tick.wait_for(lock, stop, kStatusPeriod, [] { return false; });
     }
   }
@@ -62,6 +69,7 @@ class Session final : public LiveSession {
   std::shared_ptr<Recorder> recorder_;
   std::string_view method_;
   std::string camera_name_;
+  RgbdCalibration calibration_;  ///< Until the first frame has come.
   std::jthread status_thread_;
 
  public:
@@ -112,7 +120,7 @@ Result<std::unique_ptr<LiveSession>> LiveSession::start(Case body,
       }));
   recorder->run(*server);
   return std::make_unique<Session>(
-      std::move(loop), std::move(server), std::move(in_use), recorder, options);
+      std::move(loop), std::move(server), std::move(in_use), recorder, calibration, options);
 }
 
 }  // namespace mor

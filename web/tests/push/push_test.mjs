@@ -8,7 +8,7 @@
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
-import { mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs';
+import { mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { connect } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -33,11 +33,12 @@ const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 /** `morgagni record` from push:, until it has its frames. */
 class Recording {
-  static async start(name, camera, frames) {
+  static async start(name, camera, frames, environment = {}) {
     const recording = new Recording();
     recording.path = join(scratch, `${name}.mcap`);
     const parameters = ['record', '--camera', camera, '--out', recording.path, '--color', 'lossless'];
-    recording.process = spawn(program, [...parameters, '--frames', `${frames}`], { stdio: ['ignore', 'pipe', 'pipe'] });
+    recording.process = spawn(program, [...parameters, '--frames', `${frames}`],
+      { stdio: ['ignore', 'pipe', 'pipe'], env: { ...process.env, ...environment } });
     recording.log = [];
     recording.ended = once(recording.process, 'exit');
     const read = (line) => recording.log.push(line);
@@ -179,6 +180,42 @@ async function testPythonExample() {
   assert.equal(recorded.calibration.color.fx, 610.5);
   const rows = recorded.calibration.color_from_depth.map((row) => row.map((value) => Math.round(value * 1e6) / 1e6 + 0));
   assert.deepEqual(rows, [[0, -1, 0, 15], [1, 0, 0, 0], [0, 0, 1, 1]]);
+}
+
+/** What is kept of a device that says who it is takes the place of its own word. */
+async function testKeptCalibration() {
+  const cameras = join(scratch, 'cameras');
+  const keep = (device_id) => {
+    mkdirSync(join(cameras, device_id), { recursive: true });
+    const calibration = { depth: { ...DEPTH, fx: 61.5 }, color: { ...COLOR, distortion: [0, 0, 0, 0, 0] },
+      color_from_depth: [[1, 0, 0, -20], [0, 1, 0, 0], [0, 0, 1, 0]] };
+    writeFileSync(join(cameras, device_id, '2026-01-31T10-00-00Z.json'), JSON.stringify(
+      { device_id, made_at: '2026-01-31T10:00:00Z', made_by: 'board', figures: {},
+        calibration: { ...calibration, origin: 'board, 2026-01-31T10:00:00Z' } }));
+  };
+  keep('push-bench');
+  keep('mine');
+  let number = 0;
+  const seen = async (camera, suffix, advertised) => {
+    const recording = await Recording.start(`kept${++number}`, camera, 2, { MORGAGNI_CAMERAS_DIR: cameras });
+    const device = await Device.connect(recording.address + suffix);
+    if (advertised) device.socket.send(JSON.stringify({ op: 'advertise', channels: [], device: advertised }));
+    describe(device);
+    await pushUntilEnd(device, pushPlainDepth, recording);
+    const { calibration } = await recording.end();
+    return [calibration.depth.fx, calibration.origin ?? ''];
+  };
+  const kept = [61.5, 'board, 2026-01-31T10:00:00Z'];
+  assert.deepEqual(await seen('push:0', '/?device=bench'), kept, 'it says so in the address');
+  assert.deepEqual(await seen('push:0', '', 'bench'), kept, 'it says so when it advertises');
+  assert.deepEqual(await seen('push:0,device=mine', ''), kept, 'the user says so');
+  assert.deepEqual(await seen('push:0', '/?device=other'), [DEPTH.fx, ''], 'of another nothing is kept');
+
+  const recording = await Recording.start('nobody', 'push:0', 2);
+  const device = await Device.connect(`${recording.address}/?device=..%2Fetc`);
+  await device.told("'../etc' is no device's id");
+  device.vanish();
+  await recording.stop();
 }
 
 async function testWhatIsRefused() {
@@ -353,7 +390,7 @@ async function testFlood() {
 }
 
 try {
-  const tests = { testStockClient, testPythonExample, testWhatIsRefused, testToken, testVanishing, testFiveHundredTimes, testFlood };
+  const tests = { testStockClient, testPythonExample, testKeptCalibration, testWhatIsRefused, testToken, testVanishing, testFiveHundredTimes, testFlood };
   for (const [name, test] of Object.entries(tests)) {
     await Promise.race([test(), sleep(90000).then(() => Promise.reject(new Error(`${name} takes too long`)))]);
     console.log(`ok ${name}`);

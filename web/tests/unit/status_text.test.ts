@@ -4,7 +4,7 @@ import { describe, expect, it } from 'vitest';
 import type { Status } from '../../src/api';
 import { sentenceOf } from '../../src/server_error';
 import {
-  adviceOf, bannerOf, colorsText, milliseconds, millimetres, snapshotName, stateWords, touchLines,
+  adviceOf, bannerOf, calibrationText, colorsText, milliseconds, millimetres, snapshotName, stateWords, touchLines, waitingBanner,
 } from '../../src/status_text';
 
 const status = (change: Partial<Status>): Status => ({
@@ -33,6 +33,24 @@ describe('bannerOf', () => {
     const picking = status({ frozen: true, starting: 'landmarks' });
     expect(bannerOf('stale', 3200, '', picking, true)).toBeUndefined();
     expect(bannerOf('stale', 3200, '', picking)?.kind).toBe('calm');
+  });
+});
+
+describe('a camera that is not there yet', () => {
+  it('is waited for, in words, without its secrets', () => {
+    const waiting = { waiting_for_camera: 'no device is connected', case: 'head', camera: 'push:8765,token=geheim12' };
+    expect(waitingBanner(waiting)).toEqual(
+      { kind: 'calm', text: 'Waiting for the first picture of push:8765 – no device is connected' });
+    expect(stateWords('waiting', undefined)).toBe('Waiting for the camera');
+  });
+});
+
+describe('the calibration in use', () => {
+  it('says where it is from, how old it is, and whether depth is corrected', () => {
+    const kept = { source: 'found with a board', made_at: null, age: '12 days old', depth_corrected: true, hint: null };
+    expect(calibrationText(kept)).toBe('Calibration: found with a board, 12 days old, depth corrected');
+    expect(calibrationText({ ...kept, age: null, depth_corrected: false })).toBe(
+      'Calibration: found with a board, depth not corrected');
   });
 });
 

@@ -8,6 +8,8 @@
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/fmt/ranges.h>
 
+#include "morgagni/camera/device_id.h"
+
 namespace mor::internal {
 namespace {
 
@@ -64,6 +66,11 @@ Result<std::size_t> parse_choice(const KeyValue& pair,
       ErrorCode::kInvalidArgument,
       fmt::format(
           "{} must be one of {}, got '{}'", pair.key, fmt::join(allowed, ", "), pair.value));
+}
+
+Result<std::string> parse_device_id(const KeyValue& pair) {
+  MOR_CHECK(check_device_id(pair.value));
+  return std::string(pair.value);
 }
 
 tl::unexpected<Error> unknown_key(std::string_view camera,

@@ -32,6 +32,9 @@ struct KeyValue {
 [[nodiscard]] Result<std::size_t> parse_choice(const KeyValue& pair,
                                                const std::vector<std::string_view>& allowed);
 
+/// `device=ID`. @errors kInvalidArgument: no id; see check_device_id().
+[[nodiscard]] Result<std::string> parse_device_id(const KeyValue& pair);
+
 /// The sentence for a key that `camera` does not know.
 [[nodiscard]] tl::unexpected<Error> unknown_key(std::string_view camera,
                                                 const KeyValue& pair,

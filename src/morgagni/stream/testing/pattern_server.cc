@@ -302,7 +302,13 @@ class PretendedSession {
       {"frames", {{"tracked", 1204}, {"uncertain", 7}, {"lost", 1}, {"resumed", 1}}},
       {"method", "field"},
       {"camera", "simulated:"},
-      {"camera_error", nullptr}};
+      {"camera_error", nullptr},
+      {"calibration",
+       {{"source", "found with a board"},
+        {"made_at", "2026-11-14T15:00:00Z"},
+        {"age", "12 days old"},
+        {"depth_corrected", true},
+        {"hint", nullptr}}}};
 };
 
 }  // namespace

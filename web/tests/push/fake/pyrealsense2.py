@@ -6,6 +6,7 @@ import time
 from types import SimpleNamespace as Some
 
 WIDTH, HEIGHT = 640, 480
+camera_info = Some(serial_number="serial number")
 stream = Some(depth="depth", color="color")
 format = Some(z16="z16", rgb8="rgb8")
 
@@ -46,7 +47,8 @@ class pipeline:
         assert settings.streams == {"depth": "z16", "color": "rgb8"}
         profiles = {"depth": _Profile(600.5), "color": _Profile(610.5)}
         sensor = Some(get_depth_scale=lambda: 0.0010000000474974513)
-        return Some(get_stream=profiles.get, get_device=lambda: Some(first_depth_sensor=lambda: sensor))
+        return Some(get_stream=profiles.get, get_device=lambda: Some(
+            first_depth_sensor=lambda: sensor, get_info={"serial number": "904412060323"}.get))
 
     def wait_for_frames(self):
         time.sleep(0.03)

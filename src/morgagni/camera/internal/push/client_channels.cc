@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/camera/device_id.h"
 #include "morgagni/camera/internal/byte_io.h"
 #include "morgagni/core/version.h"
 
@@ -79,12 +80,23 @@ std::vector<Status> ClientChannels::on_text(std::string_view text) {
   const auto* list = list_of(json, name);
   if (list == nullptr) return error(fmt::format("{} has no list '{}'", op, name));
   std::vector<Status> answers;
+  if (is_advertise && json.contains("device")) {
+    if (auto answer = set_device(text_of(json, "device"))) answers.push_back(*std::move(answer));
+  }
   for (const auto& each : *list) {
     auto answer = is_advertise ? advertise(each) : unadvertise(each);
     if (answer) answers.push_back(*std::move(answer));
     if (answers.size() >= kMaxAnswers) break;
   }
   return answers;
+}
+
+std::optional<Status> ClientChannels::set_device(const std::string& name) {
+  if (const auto checked = check_device_id(name); !checked) {
+    return Status{StatusLevel::kError, checked.error().message};
+  }
+  device_ = name;
+  return std::nullopt;
 }
 
 template <class Json>

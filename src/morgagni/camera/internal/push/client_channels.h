@@ -35,8 +35,14 @@ class ClientChannels {
   [[nodiscard]] static std::vector<std::string> greeting();
   [[nodiscard]] static std::string status_json(const Status& status);
 
-  /// `advertise` and `unadvertise`. @return What was refused, or is not used.
+  /// `advertise` and `unadvertise`. An `advertise` may have a member `device`, an id by which its
+  /// sender is known again. @return What was refused, or is not used.
   [[nodiscard]] std::vector<Status> on_text(std::string_view text);
+
+  /// What the sender calls itself. Empty: it has not said.
+  [[nodiscard]] const std::string& device() const { return device_; }
+  /// The same, said in another way. @return What is wrong with it.
+  [[nodiscard]] std::optional<Status> set_device(const std::string& name);
 
   /// MessageData. None: of a channel that is not used.
   /// @errors kInvalidArgument: another opcode, a channel that was not advertised, a bad message.
@@ -56,6 +62,7 @@ class ClientChannels {
   std::optional<Status> unadvertise(const Json& json);
 
   std::map<std::uint32_t, Channel> channels_;
+  std::string device_;
 };
 
 }  // namespace mor::internal::push

@@ -17,7 +17,10 @@ constexpr std::chrono::seconds kSameAgainAfter{1};
 
 }  // namespace
 
-DeviceLink::DeviceLink(SoupWebsocketConnection* connection, GSocket* socket, Inbox& inbox)
+DeviceLink::DeviceLink(SoupWebsocketConnection* connection,
+                       GSocket* socket,
+                       const std::string& name,
+                       Inbox& inbox)
     : connection_(SOUP_WEBSOCKET_CONNECTION(g_object_ref(connection))),
       guard_(socket, kMaxMessageBytes + kMaxHeadBytes),
       inbox_(inbox) {
@@ -42,6 +45,12 @@ DeviceLink::DeviceLink(SoupWebsocketConnection* connection, GSocket* socket, Inb
   inbox_.device_came();
   for (const auto& text : ClientChannels::greeting()) {
     soup_websocket_connection_send_text(connection, text.c_str());
+  }
+  if (name.empty()) return;
+  if (const auto wrong = channels_.set_device(name)) {
+    refuse(*wrong);
+  } else {
+    inbox_.device_is(channels_.device());
   }
 }
 
@@ -92,9 +101,14 @@ void DeviceLink::on_message(SoupWebsocketDataType type, GBytes* bytes) {
   const auto* data = static_cast<const std::byte*>(g_bytes_get_data(bytes, &size));
   if (type == SOUP_WEBSOCKET_DATA_BINARY) return take({data, size});
   for (const auto& status : channels_.on_text({reinterpret_cast<const char*>(data), size})) {
-    if (status.level == StatusLevel::kError) inbox_.refuse(status.message);
-    say(status);
+    refuse(status);
   }
+  if (!channels_.device().empty()) inbox_.device_is(channels_.device());
+}
+
+void DeviceLink::refuse(const Status& status) {
+  if (status.level == StatusLevel::kError) inbox_.refuse(status.message);
+  say(status);
 }
 
 void DeviceLink::take(std::span<const std::byte> bytes) {

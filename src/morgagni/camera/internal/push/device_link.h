@@ -16,7 +16,11 @@ namespace mor::internal::push {
 /// The device that pushes: its WebSocket, its channels, and what it is answered. The loop's alone.
 class DeviceLink {
  public:
-  DeviceLink(SoupWebsocketConnection* connection, GSocket* socket, Inbox& inbox);
+  /// @param name  What it calls itself in the address. Empty: nothing.
+  DeviceLink(SoupWebsocketConnection* connection,
+             GSocket* socket,
+             const std::string& name,
+             Inbox& inbox);
   ~DeviceLink();
   DeviceLink(const DeviceLink&) = delete;
   DeviceLink& operator=(const DeviceLink&) = delete;
@@ -35,6 +39,7 @@ class DeviceLink {
 
  private:
   void on_message(SoupWebsocketDataType type, GBytes* bytes);
+  void refuse(const Status& status);
   void take(std::span<const std::byte> bytes);
 
   GObjectHandle<SoupWebsocketConnection> connection_;

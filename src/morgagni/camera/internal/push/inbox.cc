@@ -7,6 +7,7 @@
 #include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/camera/internal/calibration_file.h"
 #include "morgagni/camera/internal/push/picture_decoder.h"
 
 namespace mor::internal::push {
@@ -43,12 +44,8 @@ bool is_within(std::string_view topic, std::string_view of) {
 
 }  // namespace
 
-Inbox::Inbox(std::string address,
-             nanoseconds tolerance,
-             std::shared_ptr<const RgbdCalibration> calibration)
-    : address_(std::move(address)),
-      tolerance_(tolerance),
-      given_calibration_(std::move(calibration)) {}
+Inbox::Inbox(std::string address, InboxOptions options)
+    : address_(std::move(address)), options_(std::move(options)), device_id_(options_.device_id) {}
 
 void Inbox::device_came() {
   const std::lock_guard lock(mutex_);
@@ -62,7 +59,13 @@ void Inbox::device_went() {
   has_device_ = false;
 }
 
+void Inbox::device_is(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  if (options_.device_id.empty()) device_id_ = "push-" + name;
+}
+
 void Inbox::forget() {
+  device_id_ = options_.device_id;
   waiting_.clear();
   infos_.clear();
   transforms_.clear();
@@ -107,7 +110,7 @@ Result<void> Inbox::put_picture(std::string topic, Picture picture, Clock::time_
                                            : apart(other.picture.stamp_ns, come.picture.stamp_ns);
   };
   const auto nearest = std::ranges::min_element(waiting_, {}, distance);
-  if (nearest != waiting_.end() && distance(*nearest) <= tolerance_) {
+  if (nearest != waiting_.end() && distance(*nearest) <= options_.tolerance) {
     const auto paired =
         pair_up(come.is_depth ? come : *nearest, come.is_depth ? *nearest : come, now);
     // Depth is used once; what is older than it will find no partner any more.
@@ -143,20 +146,24 @@ Result<void> Inbox::check_clock(std::uint64_t stamp_ns, Clock::time_point now) {
 
 Result<void> Inbox::pair_up(const Waiting& depth, const Waiting& color, Clock::time_point now) {
   MOR_TRY(auto calibration, calibration_for(depth, color));
-  next_ = Pair{std::move(calibration), depth.picture, color.picture, now};
+  next_ = Pair{std::move(calibration), device_id_, depth.picture, color.picture, now};
   changed_.notify_all();
   return {};
 }
 
 Result<std::shared_ptr<const RgbdCalibration>> Inbox::calibration_for(const Waiting& depth,
                                                                       const Waiting& color) {
-  if (given_calibration_) return given_calibration_;
+  if (options_.calibration) return options_.calibration;
   RgbdCalibration calibration;
   MOR_TRY(calibration.depth, camera_for(depth));
   MOR_TRY(calibration.color, camera_for(color));
   MOR_TRY(calibration.color_from_depth, between(color.picture.frame, depth.picture.frame));
-  if (!last_calibration_ || *last_calibration_ != calibration) {
-    last_calibration_ = std::make_shared<const RgbdCalibration>(std::move(calibration));
+  // Asked once for each device: a reconnection brings back what it had.
+  if (!last_calibration_ || last_said_ != calibration || last_device_id_ != device_id_) {
+    MOR_TRY(auto chosen, choose_calibration({}, options_.known, device_id_, calibration));
+    last_calibration_ = std::make_shared<const RgbdCalibration>(std::move(chosen));
+    last_said_ = std::move(calibration);
+    last_device_id_ = device_id_;
   }
   return last_calibration_;
 }
@@ -222,7 +229,7 @@ std::string Inbox::reason() const {
   };
   if (waits(true) && waits(false)) {
     return fmt::format("the device's depth and colour are stamped more than {:.0f} ms apart",
-                       seconds(tolerance_) * 1e3);
+                       seconds(options_.tolerance) * 1e3);
   }
   if (waits(true)) return "the device sends no colour pictures";
   if (waits(false)) return "the device sends no depth pictures";

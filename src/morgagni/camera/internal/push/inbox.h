@@ -20,26 +20,32 @@ namespace mor::internal::push {
 /// A depth and a colour picture that belong together, still packed, and when the later one came.
 struct Pair {
   std::shared_ptr<const RgbdCalibration> calibration;
+  std::string device_id;  ///< Empty: the device has not said who it is.
   Picture depth;
   Picture color;
   std::chrono::steady_clock::time_point arrived_at;
+};
+
+struct InboxOptions {
+  std::chrono::nanoseconds tolerance = std::chrono::milliseconds(20);  ///< Stamps of a pair, apart.
+  /// Where it is known already: what the device says of itself is not used then.
+  std::shared_ptr<const RgbdCalibration> calibration = nullptr;
+  std::string device_id = {};   ///< In place of what the device calls itself.
+  KnownCalibration known = {};  ///< Asked for a device with an id. May read a file.
 };
 
 /// Between the network's thread, which puts messages in, and the camera's, which takes pairs out:
 /// the newest wins, and never more than a few pictures wait.
 class Inbox {
  public:
-  /// @param tolerance  How far apart the stamps of a pair may be.
-  /// @param calibration  Where it is known already; what the device says of itself is not used
-  /// then.
-  Inbox(std::string address,
-        std::chrono::nanoseconds tolerance,
-        std::shared_ptr<const RgbdCalibration> calibration);
+  Inbox(std::string address, InboxOptions options);
 
   // The network's side.
 
   void device_came();
   void device_went();
+  /// What it calls itself, an id: "904412060323" becomes "push-904412060323".
+  void device_is(const std::string& name);
   /// @errors kInvalidArgument: stamps that go backward or jump; cameras that do not fit together.
   [[nodiscard]] Result<void> put(Arrival arrival, std::chrono::steady_clock::time_point now);
   /// A message that could not be read; said to whoever waits for a frame.
@@ -76,8 +82,7 @@ class Inbox {
   void forget();
 
   const std::string address_;
-  const std::chrono::nanoseconds tolerance_;
-  const std::shared_ptr<const RgbdCalibration> given_calibration_;
+  const InboxOptions options_;
 
   mutable std::mutex mutex_;  ///< Guards all below.
   std::condition_variable_any changed_;
@@ -86,6 +91,9 @@ class Inbox {
   std::deque<Waiting> waiting_;
   std::map<std::string, CameraInfo> infos_;      ///< By topic.
   std::map<std::string, Transform> transforms_;  ///< By child.
+  std::string device_id_;
+  RgbdCalibration last_said_;  ///< By the device, when `last_calibration_` was made.
+  std::string last_device_id_;
   std::shared_ptr<const RgbdCalibration> last_calibration_;
   std::optional<ClockPoint> last_depth_;
   std::string fault_;

@@ -62,6 +62,17 @@ std::string token_of(SoupServerMessage* message, GHashTable* query) {
   return value != nullptr ? value : "";
 }
 
+/// What the device calls itself in the address, `?device=`. Empty: nothing.
+std::string name_of(SoupWebsocketConnection* connection) {
+  const char* query = g_uri_get_query(soup_websocket_connection_get_uri(connection));
+  if (query == nullptr) return {};
+  const std::unique_ptr<GHashTable, FreeWith<g_hash_table_unref>> values(
+      g_uri_parse_params(query, -1, "&", G_URI_PARAMS_NONE, nullptr));
+  const auto* name =
+      values ? static_cast<const char*>(g_hash_table_lookup(values.get(), "device")) : nullptr;
+  return name != nullptr ? name : "";
+}
+
 /// The accepted connection, which libsoup wraps in a stream of its own.
 GObjectHandle<GSocketConnection> carrier_of(SoupWebsocketConnection* connection) {
   auto* stream = soup_websocket_connection_get_io_stream(connection);
@@ -239,7 +250,7 @@ void PushServer::Impl::meet(SoupWebsocketConnection* connection) {
   }
   if (link) link->close("another device has taken over");
   link.reset();  // It says that it went before the next says that it came.
-  link = std::make_unique<DeviceLink>(connection, socket, *inbox);
+  link = std::make_unique<DeviceLink>(connection, socket, name_of(connection), *inbox);
 }
 
 void PushServer::Impl::watch() {

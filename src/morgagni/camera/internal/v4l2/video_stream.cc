@@ -39,6 +39,11 @@ std::string card_name(const v4l2_capability& capability) {
   return {card, strnlen(card, sizeof(capability.card))};
 }
 
+std::string bus_name(const v4l2_capability& capability) {
+  const auto* bus = reinterpret_cast<const char*>(capability.bus_info);
+  return {bus, strnlen(bus, sizeof(capability.bus_info))};
+}
+
 std::uint32_t capabilities(const v4l2_capability& capability) {
   const bool has_own = (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0U;
   return has_own ? capability.device_caps : capability.capabilities;
@@ -106,6 +111,7 @@ Result<VideoStream> VideoStream::open(std::shared_ptr<const VideoSystem> system,
   if ((capabilities(capability) & kNeeded) != kNeeded) {
     return make_error(ErrorCode::kDevice, fmt::format("{} gives no pictures by streaming", path));
   }
+  stream.bus_ = bus_name(capability);
   MOR_CHECK(stream.choose_format(formats));
   MOR_CHECK(stream.map_buffers());
   return stream;
@@ -274,7 +280,7 @@ Result<VideoDevice> look_at_video_device(const VideoSystem& system, const std::s
   if (const int error = handle.call(VIDIOC_QUERYCAP, &capability)) {
     return make_error(ErrorCode::kNotFound, fmt::format("{}: {}", path, std::strerror(error)));
   }
-  VideoDevice device{.card = card_name(capability), .formats = {}};
+  VideoDevice device{.card = card_name(capability), .bus = bus_name(capability), .formats = {}};
   for (std::uint32_t i = 0; i < kMaxListed; ++i) {
     v4l2_fmtdesc listed{};
     listed.index = i;

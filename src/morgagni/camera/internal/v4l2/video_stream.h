@@ -33,6 +33,7 @@ inline constexpr std::uint32_t kMjpg = four_letters("MJPG");
 /// What a /dev/video* is.
 struct VideoDevice {
   std::string card;  ///< "Intel(R) RealSense(TM) Depth Ca".
+  std::string bus;   ///< Where it is plugged in: "usb-0000:00:14.0-2".
   std::vector<std::uint32_t> formats;
 };
 
@@ -62,6 +63,7 @@ class VideoStream {
   [[nodiscard]] Result<std::optional<VideoPicture>> take();
 
   [[nodiscard]] int file() const { return handle_->file; }
+  [[nodiscard]] const std::string& bus() const { return bus_; }  ///< As VideoDevice::bus.
   [[nodiscard]] std::uint32_t format() const { return format_; }
   [[nodiscard]] int width_px() const { return width_px_; }
   [[nodiscard]] int height_px() const { return height_px_; }
@@ -97,6 +99,7 @@ class VideoStream {
 
   std::unique_ptr<Handle> handle_;
   std::string path_;
+  std::string bus_;
   std::uint32_t format_ = 0;
   int width_px_ = 0, height_px_ = 0;
   std::size_t row_bytes_ = 0;
