@@ -1,21 +1,21 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <chrono>
 #include <filesystem>
 #include <memory>
-#include <numbers>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/calibration/corrected_calibration.h"
 #include "morgagni/calibration/self_calibration.h"
+#include "morgagni/calibration/view_gatherer.h"
 #include "morgagni/camera/calibration_json.h"
 #include "morgagni/casefile/case.h"
 #include "morgagni/core/files.h"
 #include "morgagni/core/progress.h"
-#include "morgagni/geometry/rigid.h"
+#include "morgagni/core/utc.h"
 #include "morgagni/registration/automatic_start.h"
 #include "morgagni/tracking/tracker.h"
 
@@ -27,11 +27,6 @@
 namespace mor {
 namespace {
 
-/// From a view to the next, in the camera's motion.
-constexpr double kViewApartMm = 20.0;
-/// And in time, so that the views reach over the whole motion.
-constexpr std::chrono::milliseconds kViewApartTime{700};
-constexpr double kViewApartRad = 3.0 * std::numbers::pi / 180.0;
 constexpr int kMaxViews = 200;
 
 struct Arguments {
@@ -56,27 +51,30 @@ class Gatherer {
                                           body.skin,
                                           value_or_exit(BodySurfaceExtractor::create(
                                               camera.calibration().depth, arguments.depth)),
-                                          value_or_exit(make_fine_registration(body.skin, {}))))) {}
+                                          value_or_exit(make_fine_registration(body.skin, {}))))),
+        gatherer_(camera.calibration().depth) {}
 
-  [[nodiscard]] std::vector<SkinView> gather(std::stop_token stop) {
+  [[nodiscard]] const ViewGatherer& gather(std::stop_token stop) {
     const auto progress = console_progress();
-    while (static_cast<int>(views_.size()) < arguments_.num_views) {
+    while (static_cast<int>(gatherer_.views().size()) < arguments_.num_views) {
       const auto frame = value_or_exit(camera_.next_frame(stop));
       if (!frame) break;
       const auto tracked = value_or_exit(tracker_.process(frame));
-      if (tracked.needs_start) offer_start(*frame, stop);
-      if (tracked.state != TrackingState::kTracking || !has_moved(*tracked.ct_from_depth)) {
+      if (tracked.needs_start) offer_start(*tracked.frame, stop);
+      if (tracked.state != TrackingState::kTracking ||
+          !gatherer_.pace().wants(*tracked.ct_from_depth, frame->captured_at)) {
         continue;
       }
-      if (!views_.empty() && frame->captured_at - kept_at_ < kViewApartTime) continue;
-      kept_at_ = frame->captured_at;
-      views_.push_back(read_skin(body_.skin->mesh,
-                                 frame->calibration->depth,
-                                 frame->depth_mm.view(),
-                                 *tracked.ct_from_depth));
-      progress("views in motion", static_cast<double>(views_.size()) / arguments_.num_views);
+      // Of what tracking sees: corrected, where the camera has a correction already.
+      gatherer_.add(read_skin(body_.skin->mesh,
+                              tracked.frame->calibration->depth,
+                              tracked.frame->depth_mm.view(),
+                              *tracked.ct_from_depth),
+                    frame->captured_at);
+      progress("views in motion",
+               static_cast<double>(gatherer_.views().size()) / arguments_.num_views);
     }
-    return std::move(views_);
+    return gatherer_;
   }
 
  private:
@@ -87,20 +85,12 @@ class Gatherer {
     }
   }
 
-  [[nodiscard]] bool has_moved(const Eigen::Isometry3d& ct_from_depth) const {
-    if (views_.empty()) return true;
-    const auto& last = views_.back().ct_from_depth;
-    return (ct_from_depth.translation() - last.translation()).norm() >= kViewApartMm ||
-           rotation_angle_rad(last.inverse() * ct_from_depth) >= kViewApartRad;
-  }
-
   const Arguments& arguments_;
   const Case& body_;
   RangeCamera& camera_;
   AutomaticStart start_;
   Tracker tracker_;
-  std::vector<SkinView> views_;
-  std::chrono::steady_clock::time_point kept_at_;
+  ViewGatherer gatherer_;
 };
 
 std::string in_words(const SelfCalibration& found) {
@@ -174,22 +164,21 @@ void self_calibrate(const Arguments& arguments) {
   const auto skin = std::shared_ptr<const TriangleMesh>(body.skin, &body.skin->mesh);
   const auto camera = value_or_exit(open_camera(arguments.camera, skin));
   const auto& calibration = camera->calibration();
-  if (calibration.depth_correction) {
-    value_or_exit(Result<void>(make_error(
-        ErrorCode::kUnsupported,
-        "this camera has a depth correction already: give calibration=FILE without one")));
-  }
-  const auto views = Gatherer(arguments, body, *camera).gather(signals.token());
-  const auto found = value_or_exit(estimate_self_calibration(*skin, calibration.depth, views));
+  Gatherer gatherer(arguments, body, *camera);
+  const auto& gathered = gatherer.gather(signals.token());
+  const auto found =
+      value_or_exit(estimate_self_calibration(*skin, calibration.depth, gathered.views()));
   print(found);
+  for (const auto& sentence : gathered.coverage().missing()) {
+    fmt::print("it would know more of this: {}\n", sentence);
+  }
   if (arguments.out.empty()) return;
   if (found.verdict != SelfCalibrationVerdict::kError && !arguments.is_forced) {
     fmt::print("{} was not written\n", arguments.out.string());
     return;
   }
-  RgbdCalibration corrected = calibration;
-  corrected.depth = found.depth;
-  corrected.depth_correction = std::make_shared<const DepthCorrection>(found.correction);
+  auto corrected = value_or_exit(without_error(calibration, found));
+  corrected.origin = "self-calibration on the CT skin, " + utc_text();
   value_or_exit(write_file(arguments.out, calibration_to_json(corrected) + "\n"));
   fmt::print("{}: for calibration=FILE of the camera\n", arguments.out.string());
 }

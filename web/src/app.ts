@@ -15,6 +15,7 @@ import { LiveVideo } from './live_video';
 import { ModesPanel } from './modes_panel';
 import { PlacementPanel } from './placement_panel';
 import { RecordingPanel } from './recording_panel';
+import { SelfCalibrationPanel } from './self_calibration_panel';
 import { Stage } from './stage';
 import { StatusPanel } from './status_panel';
 import { adviceOf, bannerOf, snapshotName, touchLines, waitingBanner } from './status_text';
@@ -75,6 +76,7 @@ export class App {
   private readonly tabs = new Tabs('look');
   private readonly findings = new FindingsPanel(this.stage, this.live, this.toast);
   private readonly takeaway = new TakeawayPanel(this.toast);
+  private readonly sensor = new SelfCalibrationPanel(this.toast, (on) => this.tabs.mark('sensor', on));
 
   readonly inspection: {
     live: LiveVideo;
@@ -102,6 +104,7 @@ export class App {
     this.tabs.add('take-away', this.takeaway.element);
     this.tabs.add('take-away', new RecordingPanel(this.toast).element);
     this.tabs.add('take-away', new DocumentsPanel(this.toast).element);
+    this.tabs.add('sensor', this.sensor.element);
     new FreeGestures(this.stage.element, {
       viewpoint: () => (this.mode === 'live' && this.view?.picture === 'free' ? this.view : undefined),
       radiusMm: () => this.info?.skin_radius_mm ?? 1,
@@ -187,6 +190,7 @@ export class App {
     const waiting = performance.now() - this.waited_ms < SILENCE_MS ? this.waiting : undefined;
     this.element.classList.toggle('no-camera', waiting !== undefined);
     this.figures.show(this.status, this.live, waiting !== undefined);
+    this.sensor.showTracking(this.status?.state);
     if (this.status?.state === 'lost' || this.status?.state === 'waiting') this.stage.hideReadout();
     this.stage.showUncertain(this.mode === 'live' && this.status?.state === 'uncertain');
     if (this.mode !== 'landmarks' && !this.stage.onTap) {

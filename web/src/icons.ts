@@ -35,6 +35,7 @@ const DRAWINGS = {
   edit: 'M5 19l1-4L16 5l3 3L9 18zM14 7l3 3',
   remove: 'M5 7h14M10 7V4.5h4V7M7 7l1 12.5h8L17 7M10.5 10.5v6M13.5 10.5v6',
   stop: 'M7 7h10v10H7z',
+  sensor: 'M3.5 8.5h17v7h-17zM8 12a1.7 1.7 0 1 0 0 .1M15 12a1.7 1.7 0 1 0 0 .1M9 19h6M12 15.5V19',
   takeAway: 'M12 4v11M7 10.5l5 5 5-5M4.5 19.5h15',
 } as const;
 

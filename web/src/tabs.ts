@@ -8,6 +8,7 @@ const TABS = [
   ['surface', 'Surface', 'surface'],
   ['findings', 'Findings', 'findings'],
   ['take-away', 'Take away', 'takeAway'],
+  ['sensor', 'Sensor', 'sensor'],
 ] as const satisfies readonly (readonly [string, string, IconName])[];
 
 export type TabName = (typeof TABS)[number][0];
@@ -39,6 +40,11 @@ export class Tabs {
     const tab = this.all.get(name)!;
     tab.panel.append(panel);
     tab.key.hidden = false;
+  }
+
+  /** A dot on the topic's key: there is something new. */
+  mark(name: TabName, on: boolean): void {
+    this.all.get(name)!.key.classList.toggle('marked', on);
   }
 
   open(name: TabName): void {

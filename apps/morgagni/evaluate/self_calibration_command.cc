@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -22,7 +23,9 @@ namespace {
 
 struct Arguments {
   std::vector<std::filesystem::path> folders;
+  std::filesystem::path recording;
   std::filesystem::path out;
+  std::string only;
   SelfCalibrationStudyOptions options;
 };
 
@@ -51,11 +54,41 @@ constexpr Shown kShown[] = {
     {", bias 3 mm, skin changed 1 mm", "path=sweep,bias=3", AddedBias::kNone, 0.0, 1.0},
 };
 
+/// The recorded sensor over the same body in motion; the error at simulated frames and at the
+/// recording's own.
+void add_recorded(const Case& body,
+                  const std::filesystem::path& folder,
+                  std::vector<SelfCalibrationGroup>& groups) {
+  const auto recorded =
+      std::make_shared<const RecordedFrames>(value_or_exit(load_recorded_frames(folder, body)));
+  const auto bias = value_or_exit(measure_bias(body.skin->mesh, *recorded));
+  fmt::print(
+      "{}: {} blocks of readings in {} frames lie {:.2f} mm off the skin at the true poses, {:.2f} "
+      "mm less a smooth error that {}\n",
+      folder.string(),
+      bias.num_readings,
+      recorded->frames.size(),
+      bias.before_mm,
+      bias.after_mm,
+      bias.is_growing ? "grows with the distance" : "is the same at each distance");
+  SelfCalibrationGroup group{body.name + ", recorded bias", body.skin, "path=sweep"};
+  group.recorded_adds = std::make_shared<const DepthCorrection>(bias.adds);
+  groups.push_back(group);
+  group.name += ", at the recorded frames";
+  group.held = recorded;
+  groups.push_back(group);
+}
+
 void evaluate(const Arguments& arguments) {
   std::vector<SelfCalibrationGroup> groups;
   for (const auto& folder : arguments.folders) {
     const auto body = value_or_exit(load_case(folder));
+    if (!arguments.recording.empty()) {
+      add_recorded(body, arguments.recording, groups);
+      continue;
+    }
     for (const auto& shown : kShown) {
+      if (std::string_view(shown.name).find(arguments.only) == std::string_view::npos) continue;
       groups.push_back({body.name + shown.name,
                         body.skin,
                         shown.camera,
@@ -92,12 +125,27 @@ void add_evaluate_self_calibration_command(CLI::App& evaluate_app) {
       ->capture_default_str();
   command->add_option("--held", options.num_held, "Frames at which the error is measured")
       ->capture_default_str();
+  command
+      ->add_option(
+          "--only", arguments->only, "Scenes with these words in their name, \"fixed bias\"")
+      ->type_name("WORDS");
+  command
+      ->add_option(
+          "--recording",
+          arguments->recording,
+          "In place of the scenes: a TUM folder with groundtruth.txt and targets.csv of the "
+          "same body by a sensor that errs; its error is measured at the true poses, given "
+          "to the simulated camera, found without the truth, and removed from the "
+          "recording's frames")
+      ->type_name("DIR");
   command->add_option("--out", arguments->out, "Write self-calibration.md and .json there")
       ->type_name("DIR");
   add_depth_options(*command, options.depth);
   command->footer(
       "Example:\n"
-      "  morgagni evaluate self-calibration --case cases/head cases/torso --seeds 5 --out found");
+      "  morgagni evaluate self-calibration --case cases/head cases/torso --seeds 5 --out found\n"
+      "  morgagni evaluate self-calibration --case cases/head --recording "
+      "recordings/head_clutter_real");
   command->callback([arguments] { evaluate(*arguments); });
 }
 

@@ -98,6 +98,17 @@ std::optional<KeptCalibration> CalibrationStore::newest(const std::string& devic
   return newest_in(folder_ / device_id);
 }
 
+Result<void> CalibrationStore::take_back(const fs::path& file) const {
+  std::error_code status;
+  if (file.extension() != ".json" || file.parent_path().parent_path() != folder_) {
+    return bad(fmt::format("{} is none", file.string()));
+  }
+  if (fs::remove(file, status) && !status) return {};
+  return make_error(
+      ErrorCode::kIo,
+      fmt::format("{}: {}", file.string(), status ? status.message() : "it is not there any more"));
+}
+
 std::vector<KeptCalibration> CalibrationStore::list() const {
   std::vector<KeptCalibration> kept;
   std::error_code status;

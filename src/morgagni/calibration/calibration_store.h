@@ -38,6 +38,10 @@ class CalibrationStore {
   /// when. @return Its file. @errors kInvalidArgument: no usable id; kIo.
   [[nodiscard]] Result<std::filesystem::path> save(KeptCalibration kept) const;
 
+  /// Takes back what save() kept: the one before it is the newest again.
+  /// @errors kInvalidArgument: no file of this store; kIo.
+  [[nodiscard]] Result<void> take_back(const std::filesystem::path& file) const;
+
   /// The newest one of a device that can be read; a damaged file is said in the log and passed
   /// over. None: there is none.
   [[nodiscard]] std::optional<KeptCalibration> newest(const std::string& device_id) const;

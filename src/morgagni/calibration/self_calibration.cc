@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -29,8 +30,9 @@ using internal::SkinModel;
 
 constexpr std::size_t kLeastViews = 20;
 constexpr double kSkinSpacingPerReach = 0.9;
-/// A correction that moves the body by less is not worth having.
-constexpr double kLeastShiftMm = 0.3;
+/// Corrections that move the body by up to so much were found without any error of the sensor, too:
+/// what noise model and skin leave. Smaller ones would make one body in three worse.
+constexpr double kLeastShiftMm = 1.0;
 /// Where more than this share of what a sensor can do to a pose stays unknown, the camera has moved
 /// too little.
 constexpr double kMostRemainingShare = 0.6;
@@ -63,12 +65,14 @@ class Estimation {
  public:
   Estimation(const TriangleMesh& skin,
              const PinholeCamera& depth,
-             const std::vector<SkinView>& views,
-             const SelfCalibrationOptions& options)
+             const std::vector<SensedSkin>& views,
+             const SelfCalibrationOptions& options,
+             std::stop_token stop)
       : mesh_(skin),
         depth_(depth),
         views_(views),
         options_(options),
+        stop_(std::move(stop)),
         sensor_(depth, options),
         skin_(skin.bounds().cast<double>(), kSkinSpacingPerReach * options.skin_reach_mm),
         pivot_mm_(skin.bounds().center().cast<double>()) {
@@ -86,11 +90,13 @@ class Estimation {
     if (views_.size() < 5) return result;
     ModelFit full{BundleModel::kSensorAndSkin, start_, {}};
     fit(full, kPasses);
+    if (stop_.stop_requested()) return result;
     const auto scatter = scatter_of(full);
     result.noise_ratio = scatter.ratio;
     result.correlated_readings = scatter.correlated;
     weight_factor_ = weight_factor_for(scatter, full);
     fit(full, 1);
+    if (stop_.stop_requested()) return result;
     describe(full.state, result);
     const Bundle bundle(sensor_, skin_.size(), full.views, prior_precision_, pivot_mm_);
     add_uncertainty(bundle.information(all_views(), full.state), full.state, result);
@@ -158,7 +164,7 @@ class Estimation {
 
   /// Draws the expectations where the state is and fits to them, so many times.
   void fit(ModelFit& fitted, int num_passes) const {
-    for (int pass = 0; pass < num_passes; ++pass) {
+    for (int pass = 0; pass < num_passes && !stop_.stop_requested(); ++pass) {
       fitted.views = expected_views(fitted.state);
       const Bundle bundle(sensor_, skin_.size(), fitted.views, prior_precision_, pivot_mm_);
       bundle.fit(all_views(), fitted.model, fitted.state);
@@ -278,16 +284,36 @@ class Estimation {
     result.shift_mm = std::sqrt(shift_sq / count);
     result.remaining_mm = std::sqrt(std::max(0.0, remaining_sq / count));
     result.before_mm = std::sqrt(before_sq / count);
-    result.num_open = num_open(posterior.topLeftCorner(sensor, sensor));
+    const auto seen = what_was_seen(posterior.topLeftCorner(sensor, sensor), values);
+    result.num_open = seen.num_open;
+    result.size_ratio = seen.size_ratio;
   }
 
-  /// Directions, measured by the prior, in which the posterior keeps more than half its variance.
-  [[nodiscard]] int num_open(const Eigen::MatrixXd& posterior) const {
+  struct Seen {
+    int num_open = 0;         ///< Directions in which the posterior keeps more than half the prior.
+    double size_ratio = 1.0;  ///< Of the values found to what the prior expects, in the others.
+  };
+
+  [[nodiscard]] Seen what_was_seen(const Eigen::MatrixXd& posterior,
+                                   const Eigen::VectorXd& values) const {
     const Eigen::LLT<Eigen::MatrixXd> prior(sensor_prior_);
     Eigen::MatrixXd white = prior.matrixL().solve(posterior);
     white = prior.matrixL().solve(white.transpose()).eval();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(white, Eigen::EigenvaluesOnly);
-    return static_cast<int>((solver.eigenvalues().array() > 0.5).count());
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(white);
+    const Eigen::VectorXd found = solver.eigenvectors().transpose() * prior.matrixL().solve(values);
+    Seen seen;
+    double squares = 0.0;
+    for (Eigen::Index i = 0; i < found.size(); ++i) {
+      const double left = solver.eigenvalues()[i];
+      if (left > 0.5) {
+        ++seen.num_open;
+      } else {
+        squares += found[i] * found[i] / (1.0 - left);
+      }
+    }
+    const auto count = static_cast<double>(std::max<Eigen::Index>(1, found.size() - seen.num_open));
+    seen.size_ratio = std::sqrt(squares / count);
+    return seen;
   }
 
   [[nodiscard]] HeldOutFit hold_out(const ModelFit& full) const {
@@ -306,6 +332,7 @@ class Estimation {
       sum.sum_weights += fit.sum_weights;
     };
     for (int fold = 0; fold < options_.num_folds; ++fold) {
+      if (stop_.stop_requested()) return result;
       std::vector<std::size_t> train;
       std::vector<std::size_t> test;
       for (std::size_t i = 0; i < views_.size(); ++i) {
@@ -449,8 +476,9 @@ class Estimation {
 
   const TriangleMesh& mesh_;
   const PinholeCamera& depth_;
-  const std::vector<SkinView>& views_;
+  const std::vector<SensedSkin>& views_;
   const SelfCalibrationOptions& options_;
+  std::stop_token stop_;  ///< Asked for between steps; what comes of them then is thrown away.
   SensorModel sensor_;
   SkinModel skin_;
   Eigen::Vector3d pivot_mm_;
@@ -507,8 +535,9 @@ Result<void> SelfCalibrationOptions::check() const {
 
 Result<SelfCalibration> estimate_self_calibration(const TriangleMesh& skin,
                                                   const PinholeCamera& depth,
-                                                  const std::vector<SkinView>& views,
-                                                  const SelfCalibrationOptions& options) {
+                                                  const std::vector<SensedSkin>& views,
+                                                  const SelfCalibrationOptions& options,
+                                                  std::stop_token stop) {
   MOR_CHECK(options.check());
   MOR_CHECK(depth.check());
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -518,7 +547,11 @@ Result<SelfCalibration> estimate_self_calibration(const TriangleMesh& skin,
                         fmt::format("view {} has a pose that is not finite", i));
     }
   }
-  return Estimation(skin, depth, views, options).run();
+  auto found = Estimation(skin, depth, views, options, stop).run();
+  if (stop.stop_requested()) {
+    return make_error(ErrorCode::kCancelled, "the self-calibration was stopped");
+  }
+  return found;
 }
 
 }  // namespace mor

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <stop_token>
 #include <string_view>
 #include <vector>
 
@@ -88,6 +89,8 @@ struct SelfCalibration {
   int num_parameters = 0;
   int num_open = 0;  ///< Combinations of them of which the views say less than the prior.
   int num_views = 0;
+  /// How large the error is where it is seen, over what was expected of sensors (SensorPrior).
+  double size_ratio = 0.0;
   double noise_ratio = 0.0;          ///< Of the blocks' residuals over single readings' noise.
   double correlated_readings = 0.0;  ///< So many err together.
 };
@@ -97,12 +100,14 @@ struct SelfCalibration {
 ///
 /// @param skin  The case's, with normals. @param depth  As the views were read with.
 /// @param views  In the order of time. From 20 on something is said.
-/// @errors kInvalidArgument: bad options or camera, a value that is not finite.
+/// @errors kInvalidArgument: bad options or camera, a value that is not finite; kCancelled: `stop`
+/// was requested.
 /// @threads Reentrant; one thread. @cost Some seconds for 60 views.
 [[nodiscard]] Result<SelfCalibration> estimate_self_calibration(
     const TriangleMesh& skin,
     const PinholeCamera& depth,
-    const std::vector<SkinView>& views,
-    const SelfCalibrationOptions& options = {});
+    const std::vector<SensedSkin>& views,
+    const SelfCalibrationOptions& options = {},
+    std::stop_token stop = {});
 
 }  // namespace mor

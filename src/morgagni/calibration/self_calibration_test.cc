@@ -59,12 +59,12 @@ double spread_mm(const std::vector<double>& values_mm) {
 
 /// Views of a sensor that strays sideways as expected_depth() has it, with noise of 1 mm, at poses
 /// off by up to 1 mm and 0.2 degrees.
-std::vector<SkinView> views_of(const TriangleMesh& body, bool has_bias) {
+std::vector<SensedSkin> views_of(const TriangleMesh& body, bool has_bias) {
   std::mt19937_64 random(7);
   const auto uniform = [&random] {
     return static_cast<double>(random() >> 11U) * 0x1.0p-53 * 2.0 - 1.0;
   };
-  std::vector<SkinView> views;
+  std::vector<SensedSkin> views;
   for (int i = 0; i < 48; ++i) {
     const Eigen::Isometry3d truth = body_from_camera(i);
     const auto drawn = expected_depth(body, kCamera, truth);
@@ -129,7 +129,7 @@ TEST(SelfCalibration, RefusesBadOptionsAndPoses) {
   const auto options = estimate_self_calibration(body, kCamera, {}, {.columns = 2});
   ASSERT_FALSE(options);
   EXPECT_EQ(options.error().message, "columns must be in [3, 40], got 2");
-  std::vector<SkinView> views(1);
+  std::vector<SensedSkin> views(1);
   views[0].ct_from_depth.translation().x() = std::nan("");
   const auto pose = estimate_self_calibration(body, kCamera, views);
   ASSERT_FALSE(pose);

@@ -115,11 +115,11 @@ SkinReading read_block(ImageView<const std::uint16_t> depth_mm,
 
 }  // namespace
 
-SkinView read_skin(const TriangleMesh& skin,
-                   const PinholeCamera& camera,
-                   ImageView<const std::uint16_t> depth_mm,
-                   const Eigen::Isometry3d& ct_from_depth) {
-  SkinView view;
+SensedSkin read_skin(const TriangleMesh& skin,
+                     const PinholeCamera& camera,
+                     ImageView<const std::uint16_t> depth_mm,
+                     const Eigen::Isometry3d& ct_from_depth) {
+  SensedSkin view;
   view.ct_from_depth = ct_from_depth;
   const auto expected = expected_depth(skin, camera, ct_from_depth);
   for (int top = 0; top + kBlockPx <= expected.height(); top += kBlockPx) {

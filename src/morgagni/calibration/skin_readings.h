@@ -25,7 +25,7 @@ struct SkinReading {
 };
 
 /// One moment of the camera, reduced to what self-calibration uses: about 100 kB.
-struct SkinView {
+struct SensedSkin {
   Eigen::Isometry3d ct_from_depth = Eigen::Isometry3d::Identity();  ///< As tracked.
   std::vector<SkinReading> readings;
 };
@@ -48,10 +48,10 @@ struct ExpectedReading {
 /// drawn at the pose shows it. Blocks at edges or partly covered are left out.
 /// @param depth_mm  As the sensor gave it, of the camera's size; 0 = no reading.
 /// @param ct_from_depth  The pose, right to some millimetres.
-[[nodiscard]] SkinView read_skin(const TriangleMesh& skin,
-                                 const PinholeCamera& camera,
-                                 ImageView<const std::uint16_t> depth_mm,
-                                 const Eigen::Isometry3d& ct_from_depth);
+[[nodiscard]] SensedSkin read_skin(const TriangleMesh& skin,
+                                   const PinholeCamera& camera,
+                                   ImageView<const std::uint16_t> depth_mm,
+                                   const Eigen::Isometry3d& ct_from_depth);
 
 /// The same block in `expected`, which expected_depth() drew for `camera`.
 [[nodiscard]] ExpectedReading expected_reading(const SkinReading& reading,

@@ -197,6 +197,13 @@ std::shared_ptr<const RgbdFrame> depth_corrected(std::shared_ptr<const RgbdFrame
   return corrected;
 }
 
+std::shared_ptr<const RgbdFrame> with_calibration(
+    const RgbdFrame& frame, std::shared_ptr<const RgbdCalibration> calibration) {
+  auto same = std::make_shared<RgbdFrame>(as_sensed(frame));
+  same->calibration = std::move(calibration);
+  return same;
+}
+
 const RgbdFrame& as_sensed(const RgbdFrame& frame) {
   return frame.as_sensed ? *frame.as_sensed : frame;
 }

@@ -13,6 +13,7 @@
 
 namespace mor {
 
+struct RgbdCalibration;
 struct RgbdFrame;
 
 /// What a depth camera's readings are wrong by, smooth over the picture and over the distance:
@@ -69,6 +70,10 @@ struct DepthCorrection {
 /// comes back itself.
 [[nodiscard]] std::shared_ptr<const RgbdFrame> depth_corrected(
     std::shared_ptr<const RgbdFrame> frame);
+
+/// The frame as the sensor gave it, under another calibration than its driver's. @cost A copy.
+[[nodiscard]] std::shared_ptr<const RgbdFrame> with_calibration(
+    const RgbdFrame& frame, std::shared_ptr<const RgbdCalibration> calibration);
 
 /// The frame that the sensor gave: what recordings keep.
 [[nodiscard]] const RgbdFrame& as_sensed(const RgbdFrame& frame);

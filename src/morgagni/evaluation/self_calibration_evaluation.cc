@@ -24,6 +24,9 @@ namespace {
 constexpr double kStartErrorMm = 5.0;
 constexpr double kStartErrorRad = 2.0 * std::numbers::pi / 180.0;
 constexpr int kTargetsOfAKind = 10;
+constexpr std::size_t kLeastPoints = 200;
+/// Frames looked through for views, and again for held ones.
+constexpr int kMostShown = 1000;
 /// The hand's swing is full by then.
 constexpr std::uint64_t kFirstFrame = 300;
 
@@ -112,27 +115,37 @@ class SeedRun {
     SelfCalibrationRun run;
     run.seed = seed;
     const PinholeCamera stated = camera_->calibration().depth;
-    std::vector<SkinView> views;
-    for (int i = 0; i < options_.num_views; ++i) {
-      const auto id = frame_id(i);
+    if (group_.held && !(group_.held->depth == stated)) {
+      return make_error(ErrorCode::kUnsupported,
+                        "the recording has another pinhole than the simulated camera");
+    }
+    // As live: what cannot be registered is no view, and the next one takes its place.
+    std::vector<SensedSkin> views;
+    int shown = 0;
+    for (; std::ssize(views) < options_.num_views && shown < kMostShown; ++shown) {
+      const auto id = frame_id(shown);
       const auto depth_mm = picture(id);
       MOR_TRY(const auto pose, align(depth_mm, stated, start_near(id)));
-      views.push_back(read_skin(group_.body->mesh, stated, depth_mm.view(), pose));
+      if (pose) views.push_back(read_skin(group_.body->mesh, stated, depth_mm.view(), *pose));
     }
     const double started_s = thread_cpu_s();
     MOR_TRY(run.found,
             estimate_self_calibration(group_.body->mesh, stated, views, options_.estimate));
     run.cpu_s = thread_cpu_s() - started_s;
-    for (int i = 0; i < options_.num_held; ++i) {
-      const auto id = frame_id(options_.num_views + i) + 7;
-      const auto depth_mm = picture(id);
-      const auto corrected = run.found.correction.apply(depth_mm.view());
-      const Eigen::Isometry3d start = start_near(id);
-      const Eigen::Isometry3d truth = camera_->ct_from_camera(id);
-      MOR_TRY(const auto before, align(depth_mm, stated, start));
-      MOR_TRY(const auto after, align(corrected, run.found.depth, start));
-      run.before_mm.push_back(target_registration_error_mm(before, truth, targets_));
-      run.applied_mm.push_back(target_registration_error_mm(after, truth, targets_));
+    const auto measure = [&](const HeldFrame& held) -> Result<void> {
+      const auto corrected = run.found.correction.apply(held.depth_mm.view());
+      MOR_TRY(const auto before, align(held.depth_mm, stated, held.start));
+      MOR_TRY(const auto after, align(corrected, run.found.depth, held.start));
+      if (!before || !after) return {};  // It has no pose either way, and shows none.
+      run.before_mm.push_back(target_registration_error_mm(*before, held.truth, targets_));
+      run.applied_mm.push_back(target_registration_error_mm(*after, held.truth, targets_));
+      return {};
+    };
+    const int num_frames = group_.held ? static_cast<int>(group_.held->frames.size()) : kMostShown;
+    const std::size_t wanted =
+        static_cast<std::size_t>(group_.held ? num_frames : options_.num_held);
+    for (int i = 0; i < num_frames && run.before_mm.size() < wanted; ++i) {
+      MOR_CHECK(measure(held_frame(group_.held ? i : shown + i)));
     }
     return run;
   }
@@ -150,12 +163,32 @@ class SeedRun {
     if (group_.added != AddedBias::kNone) {
       bias_ = make_bias(group_.added, group_.added_mm, seed);
     }
+    if (group_.recorded_adds) bias_ = *group_.recorded_adds;
     MOR_TRY(registration_, make_fine_registration(group_.body, {}));
+    random_.seed(seed);
+    if (group_.held) {
+      targets_ = group_.held->targets;
+      return {};
+    }
     MOR_TRY(targets_, sample_skin_targets(mesh, kTargetsOfAKind, 1));
     MOR_TRY(const auto inner, sample_internal_targets(mesh, kTargetsOfAKind, 1));
     targets_.insert(targets_.end(), inner.begin(), inner.end());
-    random_.seed(seed);
     return {};
+  }
+
+  struct HeldFrame {
+    Image<std::uint16_t> depth_mm;
+    Eigen::Isometry3d truth;
+    Eigen::Isometry3d start;
+  };
+
+  [[nodiscard]] HeldFrame held_frame(int i) {
+    if (group_.held) {
+      const auto& frame = group_.held->frames[static_cast<std::size_t>(i)];
+      return {frame.depth_mm, frame.ct_from_depth, start_from(frame.ct_from_depth)};
+    }
+    const auto id = frame_id(i) + 7;
+    return {picture(id), camera_->ct_from_camera(id), start_near(id)};
   }
 
   [[nodiscard]] std::uint64_t frame_id(int i) const {
@@ -169,19 +202,27 @@ class SeedRun {
   }
 
   [[nodiscard]] Eigen::Isometry3d start_near(std::uint64_t id) {
-    const Eigen::Vector3d center = group_.body->mesh.bounds().center().cast<double>();
-    return perturbed_start(
-        camera_->ct_from_camera(id), center, kStartErrorMm, kStartErrorRad, random_);
+    return start_from(camera_->ct_from_camera(id));
   }
 
-  [[nodiscard]] Result<Eigen::Isometry3d> align(const Image<std::uint16_t>& depth_mm,
-                                                const PinholeCamera& camera,
-                                                const Eigen::Isometry3d& start) const {
+  [[nodiscard]] Eigen::Isometry3d start_from(const Eigen::Isometry3d& truth) {
+    const Eigen::Vector3d center = group_.body->mesh.bounds().center().cast<double>();
+    return perturbed_start(truth, center, kStartErrorMm, kStartErrorRad, random_);
+  }
+
+  /// None where there is too little of the body for a pose, as tracking has it.
+  [[nodiscard]] Result<std::optional<Eigen::Isometry3d>> align(
+      const Image<std::uint16_t>& depth_mm,
+      const PinholeCamera& camera,
+      const Eigen::Isometry3d& start) const {
     MOR_TRY(auto extractor, BodySurfaceExtractor::create(camera, options_.depth));
     MOR_TRY(const auto surface,
             extractor.extract(depth_mm.view(), places_facing_camera(group_.body->mesh, start)));
+    if (surface.cloud.size() < kLeastPoints) return std::nullopt;
     MOR_TRY(const auto result, registration_->align(surface.cloud, start, StartQuality::kTracked));
-    return result.fixed_from_moving;
+    const bool has_pose = result.status == RegistrationStatus::kConverged ||
+                          result.status == RegistrationStatus::kMaxIterations;
+    return has_pose ? std::optional(result.fixed_from_moving) : std::nullopt;
   }
 
   const SelfCalibrationGroup& group_;
@@ -297,6 +338,8 @@ std::string to_json(const std::vector<SelfCalibrationGroup>& groups,
                     {"verdict", to_string(run.found.verdict)},
                     {"shift_mm", run.found.shift_mm},
                     {"remaining_mm", run.found.remaining_mm},
+                    {"size_ratio", run.found.size_ratio},
+                    {"open", run.found.num_open},
                     {"skin_rms_mm", run.found.skin_rms_mm},
                     {"focal_ratio", {run.found.focal_x_ratio, run.found.focal_y_ratio}},
                     {"held_out_mm",

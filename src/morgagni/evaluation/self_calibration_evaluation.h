@@ -11,6 +11,7 @@
 #include "morgagni/core/progress.h"
 #include "morgagni/core/result.h"
 #include "morgagni/depth/body_surface.h"
+#include "morgagni/evaluation/recorded_bias.h"
 #include "morgagni/registration/fixed_surface.h"
 
 namespace mor {
@@ -30,6 +31,10 @@ struct SelfCalibrationGroup {
   AddedBias added = AddedBias::kNone;
   double added_mm = 0.0;         ///< Root mean square at 800 mm.
   double changed_skin_mm = 0.0;  ///< The body has changed by so much since its CT, smoothly.
+  /// A recorded sensor's error, which the simulated camera gets (RecordedBias::adds). Null: none.
+  std::shared_ptr<const DepthCorrection> recorded_adds = nullptr;
+  /// The error is measured at these frames of the same sensor, in place of simulated ones.
+  std::shared_ptr<const RecordedFrames> held = nullptr;
 };
 
 struct SelfCalibrationStudyOptions {

@@ -3,12 +3,15 @@
 #include "morgagni/session/live_loop.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <cmath>
 #include <future>
 #include <mutex>
 #include <thread>
 #include <utility>
 
+#include "morgagni/camera/depth_correction.h"
 #include "morgagni/core/latest_slot.h"
 #include "morgagni/core/log.h"
 #include "morgagni/core/statistics.h"
@@ -44,13 +47,18 @@ class Loop final : public LiveLoop {
        std::unique_ptr<RangeCamera> camera,
        Tracker tracker,
        std::shared_ptr<const AutomaticStart> automatic,
-       bool in_step)
+       const LiveLoopOptions& options)
       : body_(std::move(body)),
         camera_(std::move(camera)),
-        in_step_(in_step),
+        depth_options_(options.depth),
+        sensor_bias_mm_(options.tracking.sensor_bias_mm),
+        in_step_(options.in_step),
         free_pictures_(bounding_sphere(body_->skin->mesh)),
         tracker_(std::move(tracker)),
-        search_(search_on(std::move(automatic))) {
+        find_(std::make_shared<const StartSearch::Find>(search_on(std::move(automatic)))),
+        search_([this](const RgbdFrame& frame, std::stop_token stop) {
+          return (*find_.load())(frame, std::move(stop));
+        }) {
     view_ = first_view(*body_);
   }
 
@@ -83,6 +91,30 @@ class Loop final : public LiveLoop {
     tracking_thread_ = {};
     render_thread_ = {};
     search_.cancel();
+  }
+
+  std::shared_ptr<const RgbdCalibration> calibration() const override {
+    const std::lock_guard lock(mutex_);
+    if (calibration_) return calibration_;
+    return std::make_shared<const RgbdCalibration>(camera_->calibration());
+  }
+
+  Result<void> use_calibration(std::shared_ptr<const RgbdCalibration> calibration,
+                               double sensor_bias_mm) override {
+    MOR_CHECK(check_size(*calibration));
+    if (calibration->depth_correction) MOR_CHECK(calibration->depth_correction->check());
+    // What takes time is made before the tracking is held up.
+    MOR_TRY(auto extractor, BodySurfaceExtractor::create(calibration->depth, depth_options_));
+    MOR_TRY(auto automatic, AutomaticStart::create(body_->skin, calibration->depth, {}));
+    const std::lock_guard lock(tracker_mutex_);
+    MOR_CHECK(
+        tracker_.use_camera(std::move(extractor), std::hypot(sensor_bias_mm_, sensor_bias_mm)));
+    search_.cancel();
+    find_ = std::make_shared<const StartSearch::Find>(
+        search_on(std::make_shared<const AutomaticStart>(std::move(automatic))));
+    const std::lock_guard status_lock(mutex_);
+    calibration_ = std::move(calibration);
+    return {};
   }
 
   void start_automatically() override {
@@ -223,6 +255,17 @@ class Loop final : public LiveLoop {
     return still_->frame;
   }
 
+  Result<void> check_size(const RgbdCalibration& calibration) const {
+    MOR_CHECK(calibration.depth.check());
+    const auto& own = camera_->calibration();
+    const auto same = [](const PinholeCamera& a, const PinholeCamera& b) {
+      return a.width_px == b.width_px && a.height_px == b.height_px;
+    };
+    if (same(own.depth, calibration.depth) && same(own.color, calibration.color)) return {};
+    return make_error(ErrorCode::kInvalidArgument,
+                      "the calibration is for pictures of another size than the camera's");
+  }
+
   void set_camera_error(std::optional<std::string> sentence) {
     const std::lock_guard lock(mutex_);
     if (sentence && sentence != camera_error_) log::warn("{}", *sentence);
@@ -288,6 +331,9 @@ class Loop final : public LiveLoop {
   /// search found is only offered: the tracker judges it on a frame of now before it is shown.
   Result<TrackedFrame> follow(FramePtr frame) {
     const std::lock_guard lock(tracker_mutex_);
+    // Here alone a frame gets another calibration than its camera's, so none is tracked half under
+    // one and half under another.
+    if (calibration_) frame = with_calibration(*frame, calibration_);
     if (auto ended = search_.take()) offer(*ended);
     MOR_TRY(auto tracked, tracker_.process(frame));
     if (!tracked.needs_start) {
@@ -470,11 +516,16 @@ class Loop final : public LiveLoop {
   const std::shared_ptr<const Case> body_;
   const std::unique_ptr<RangeCamera> camera_;
 
+  const BodySurfaceOptions depth_options_;
+  const double sensor_bias_mm_;
   const bool in_step_;
   FreePictures free_pictures_;
 
   std::mutex tracker_mutex_;  ///< Guards the tracker and what it is started from.
   Tracker tracker_;
+  /// Written under both mutexes, so either one reads it. None: the camera's own.
+  std::shared_ptr<const RgbdCalibration> calibration_;
+  std::atomic<std::shared_ptr<const StartSearch::Find>> find_;
   std::optional<Clock::time_point> last_searched_at_;  ///< When that frame was captured.
   StartSearch search_;
 
@@ -524,7 +575,7 @@ Result<std::unique_ptr<LiveLoop>> LiveLoop::create(std::shared_ptr<const Case> b
                                      std::move(camera),
                                      std::move(tracker),
                                      std::make_shared<const AutomaticStart>(std::move(automatic)),
-                                     options.in_step);
+                                     options);
   if (options.start == StartMethod::kPlacement) {
     MOR_CHECK(loop->start_by_placement(options.placement));
   }

@@ -106,6 +106,17 @@ class LiveLoop {
   /// Ends the threads; `show` is not called after this returns.
   virtual void stop() = 0;
 
+  /// Under which the frames are tracked: the camera's own, until use_calibration().
+  [[nodiscard]] virtual std::shared_ptr<const RgbdCalibration> calibration() const = 0;
+
+  /// From the next frame on, frames are tracked under this calibration, whatever the camera says;
+  /// the sensor's depth stays as it is (`as_sensed`). The tracking goes on.
+  /// @param sensor_bias_mm  What is not known of its depth, for the error bound: 0..50; on top of
+  /// the options'.
+  /// @errors kInvalidArgument: pictures of another size, a camera or correction that is none.
+  [[nodiscard]] virtual Result<void> use_calibration(
+      std::shared_ptr<const RgbdCalibration> calibration, double sensor_bias_mm) = 0;
+
   /// Searches for the body in the depth picture, from now on and after each loss.
   virtual void start_automatically() = 0;
 

@@ -15,6 +15,7 @@
 #include "morgagni/session/live_api.h"
 #include "morgagni/session/recorder_routes.h"
 #include "morgagni/session/recording_routes.h"
+#include "morgagni/session/self_calibration_routes.h"
 #include "morgagni/session/still_routes.h"
 #include "morgagni/session/texture_routes.h"
 
@@ -92,7 +93,7 @@ Result<std::unique_ptr<LiveSession>> LiveSession::start(Case body,
                              FolderLock::Kind::kShared,
                              body.folder.string() + " is being prepared: start again after that"));
   }
-  const RgbdCalibration calibration = camera->calibration();
+  const std::string device_id = camera->device_id();
   const auto shared_body = std::make_shared<const Case>(std::move(body));
   MOR_TRY(std::shared_ptr<LiveLoop> loop,
           LiveLoop::create(shared_body, std::move(camera), options.loop));
@@ -101,15 +102,34 @@ Result<std::unique_ptr<LiveSession>> LiveSession::start(Case body,
   const auto texture = std::make_shared<TextureRecorder>(shared_body);
   loop->observe([texture](const TrackedFrame& tracked) { texture->look(tracked); });
   loop->take_fused_from([texture] { return texture->texture(); });
-  const auto recorder = std::make_shared<Recorder>(shared_body, calibration, options.camera_name);
+  const auto recorder = std::make_shared<Recorder>(
+      shared_body, [loop] { return loop->calibration(); }, options.camera_name);
+  const auto recording = make_session_recorder(*shared_body, options.camera_name);
+  loop->observe([recording](const TrackedFrame& tracked) { recording->see(tracked); });
+  const RgbdCalibration own_calibration = *loop->calibration();
+  const CalibrationInUse calibration{[loop] { return loop->calibration(); },
+                                     [loop](auto next, double bias_mm) {
+                                       return loop->use_calibration(std::move(next), bias_mm);
+                                     }};
+  const auto hindrance = [recording, recorder] {
+    const bool goes_on =
+        recording->state().is_recording || recorder->status().state != RecorderState::kIdle;
+    return std::string(goes_on ? "a recording goes on under the calibration in use: stop it first"
+                               : "");
+  };
+  const auto calibrator = std::make_shared<SelfCalibrator>(
+      shared_body, calibration, device_id, CalibrationStore(), hindrance);
+  loop->observe(
+      [calibrator = calibrator.get()](const auto& tracked) { calibrator->look(tracked); });
   // Each topic has its routes in a file of its own and joins the others with one line.
   std::vector<HttpRoute> routes = api::joined({
       make_live_routes(shared_body, loop, options.loop.placement),
       make_ct_routes(options.cts),
       make_findings_routes(desk),
-      make_recording_routes(*shared_body, *loop, options.camera_name),
+      make_recording_routes(recording),
       make_texture_routes(texture),
       make_recorder_routes(recorder),
+      make_self_calibration_routes(calibrator),
       make_still_routes(shared_body, loop),
       make_documents_routes(shared_body, options.server.web_root),
   });
@@ -120,7 +140,7 @@ Result<std::unique_ptr<LiveSession>> LiveSession::start(Case body,
       }));
   recorder->run(*server);
   return std::make_unique<Session>(
-      std::move(loop), std::move(server), std::move(in_use), recorder, calibration, options);
+      std::move(loop), std::move(server), std::move(in_use), recorder, own_calibration, options);
 }
 
 }  // namespace mor

@@ -4,6 +4,7 @@
 
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -36,9 +37,10 @@ struct RecorderStatus {
 /// @threads Any; the long work is done in a thread of its own.
 class Recorder {
  public:
-  Recorder(std::shared_ptr<const Case> body,
-           const RgbdCalibration& calibration,
-           std::string camera_name);
+  /// Asked for when a video is finished. It must not change while one is recorded.
+  using InUse = std::function<std::shared_ptr<const RgbdCalibration>()>;
+
+  Recorder(std::shared_ptr<const Case> body, InUse calibration, std::string camera_name);
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
@@ -75,7 +77,7 @@ class Recorder {
 
   const std::shared_ptr<const Case> body_;
   LiveServer* server_ = nullptr;  ///< From run() to close().
-  const RgbdCalibration calibration_;
+  const InUse calibration_;
   const std::string camera_name_;
   const std::filesystem::path folder_;
 

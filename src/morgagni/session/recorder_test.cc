@@ -53,7 +53,8 @@ class RecorderTest : public ::testing::Test {
   }
 
   std::unique_ptr<Recorder> made() const {
-    return std::make_unique<Recorder>(body_, RgbdCalibration{}, "simulated:");
+    return std::make_unique<Recorder>(
+        body_, [] { return std::make_shared<const RgbdCalibration>(); }, "simulated:");
   }
 
   static bool eventually(const std::function<bool()>& holds) {

@@ -6,7 +6,6 @@
 
 #include "morgagni/core/version.h"
 #include "morgagni/session/api_json.h"
-#include "morgagni/session/session_recorder.h"
 
 namespace mor {
 namespace {
@@ -45,14 +44,15 @@ Result<Json> stop(SessionRecorder& recorder) {
 
 }  // namespace
 
-std::vector<HttpRoute> make_recording_routes(const Case& body,
-                                             LiveLoop& loop,
-                                             const std::string& camera_name) {
-  const auto recorder = std::make_shared<SessionRecorder>(
+std::shared_ptr<SessionRecorder> make_session_recorder(const Case& body,
+                                                       const std::string& camera_name) {
+  return std::make_shared<SessionRecorder>(
       body.folder / "recordings",
       std::vector<std::pair<std::string, std::string>>{
           {"case", body.name}, {"camera", camera_name}, {"morgagni", kVersion}});
-  loop.observe([recorder](const TrackedFrame& tracked) { recorder->see(tracked); });
+}
+
+std::vector<HttpRoute> make_recording_routes(std::shared_ptr<SessionRecorder> recorder) {
   return {api::get("/api/recording",
                    [=](const HttpRequest&) { return api::answer(to_json(recorder->state())); }),
           api::post("/api/recording/start",

@@ -7,13 +7,16 @@
 #include <vector>
 
 #include "morgagni/casefile/case.h"
-#include "morgagni/session/live_loop.h"
+#include "morgagni/session/session_recorder.h"
+#include "morgagni/stream/live_server.h"
 
 namespace mor {
 
-/// Records the session into the case's `recordings`. Joins the loop's observers.
-[[nodiscard]] std::vector<HttpRoute> make_recording_routes(const Case& body,
-                                                           LiveLoop& loop,
-                                                           const std::string& camera_name);
+/// Records the session into the case's `recordings`.
+[[nodiscard]] std::shared_ptr<SessionRecorder> make_session_recorder(
+    const Case& body, const std::string& camera_name);
+
+[[nodiscard]] std::vector<HttpRoute> make_recording_routes(
+    std::shared_ptr<SessionRecorder> recorder);
 
 }  // namespace mor

@@ -96,6 +96,15 @@ Tracker::Tracker(const TrackingOptions& options,
       extractor_(std::move(extractor)),
       registration_(std::move(registration)) {}
 
+Result<void> Tracker::use_camera(BodySurfaceExtractor extractor, double sensor_bias_mm) {
+  TrackingOptions options = options_;
+  options.sensor_bias_mm = sensor_bias_mm;
+  MOR_CHECK(options.check());
+  options_ = options;
+  extractor_ = std::move(extractor);
+  return {};
+}
+
 void Tracker::wait_for_start() {
   ct_from_ghost_.reset();
   offer_.reset();

@@ -92,6 +92,11 @@ class Tracker {
                                               BodySurfaceExtractor extractor,
                                               std::unique_ptr<FineRegistration> registration);
 
+  /// Goes on under another calibration, the pose as it was: it is off by millimetres only.
+  /// @param extractor  Of the frames to come. @param sensor_bias_mm  As in the options.
+  /// @errors kInvalidArgument: a bias outside its limits.
+  [[nodiscard]] Result<void> use_camera(BodySurfaceExtractor extractor, double sensor_bias_mm);
+
   /// Forgets the pose and waits for a start.
   void wait_for_start();
 
