@@ -39,12 +39,17 @@ class Body {
   [[nodiscard]] double hu_at(const Eigen::Vector3d& p, double table_mm = 75.0) const {
     const double trunk = std::hypot(p.x() / (95.0 + 0.05 * p.z()), p.y() / 60.0);
     if (trunk >= 1.0) return std::abs(p.y() - table_mm) < 3.0 ? -150.0 : -1000.0;
-    for (const auto& ball : balls_)
-      if ((p - ball.middle).squaredNorm() < ball.radius * ball.radius) return ball.hu;
+    for (const auto& ball : balls_) {
+      if ((p - ball.middle).squaredNorm() >= ball.radius * ball.radius) continue;
+      // Outermost a body has skin, fat and flesh: bone or gas there would be taken for a cover.
+      return trunk > kSkinFrom ? std::clamp(ball.hu, -120.0, 90.0) : ball.hu;
+    }
     return 40.0;
   }
 
  private:
+  static constexpr double kSkinFrom = 0.9;
+
   struct Ball {
     Eigen::Vector3d middle;
     double radius;
