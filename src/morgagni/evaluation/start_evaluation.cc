@@ -12,8 +12,8 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/evaluation/frame_difficulty.h"
 #include "morgagni/evaluation/recording_evaluation.h"
-#include "morgagni/geometry/depth_raster.h"
 #include "morgagni/geometry/rigid.h"
 #include "morgagni/registration/fine_registration.h"
 #include "morgagni/registration/visible_place.h"
@@ -40,25 +40,6 @@ std::vector<Target> targets_of(const TriangleMesh& skin) {
     targets.push_back({"", false, 0.5 * (on_skin + center)});
   }
   return targets;
-}
-
-/// Share of the skin in view, at the true pose, that is measured where it is.
-double bare_share(const TriangleMesh& skin,
-                  const RgbdFrame& frame,
-                  const Eigen::Isometry3d& truth) {
-  constexpr float kBareMm = 15.0F;  // Noise is far less, a towel's folds and a hand mostly more.
-  const auto raster = rasterize_depth(skin, frame.calibration->depth, truth.inverse());
-  int num_in_view = 0;
-  int num_bare = 0;
-  for (int y = 0; y < raster.depth_mm.height(); ++y) {
-    for (int x = 0; x < raster.depth_mm.width(); ++x) {
-      const auto reading_mm = static_cast<float>(frame.depth_mm(x, y));
-      if (raster.depth_mm(x, y) <= 0.0F || reading_mm <= 0.0F) continue;
-      ++num_in_view;
-      if (std::abs(reading_mm - raster.depth_mm(x, y)) < kBareMm) ++num_bare;
-    }
-  }
-  return num_in_view == 0 ? 0.0 : static_cast<double>(num_bare) / num_in_view;
 }
 
 /// Starts on one view after the other and keeps the runs.
@@ -136,7 +117,10 @@ Result<void> StartEvaluation::hold_against(const Eigen::Isometry3d& truth,
   run.shift_mm = displacement_mm(found, truth, depth_from_ct * skin_center_);
   run.rotation_deg = kDegPerRad * rotation_angle_rad(found * depth_from_ct);
   run.tre_mm = target_registration_error_mm(found, truth, targets_);
-  run.bare_share = bare_share(fixed_->mesh, frame, truth);
+  run.bare_share =
+      frame_difficulty(
+          fixed_->mesh, frame.depth_mm.view(), frame.calibration->depth, truth, targets_)
+          .bare_share;
   if (run.result.status == AutomaticStartStatus::kFound) {
     MOR_TRY(run.fine_tre_mm, fine_tre_mm(frame, truth, found));
   }
