@@ -51,7 +51,12 @@ const [program, webRoot] = process.argv.slice(2);
 const command = [program, '--web-root', webRoot, '--max-viewers', '2'];
 let server = await startServer(command);
 const port = new URL(server.url).port;
-const live = await LivePage.open(server.url);
+const pages = [];
+const open = async () => {
+  pages.push(await LivePage.open(server.url));
+  return pages.at(-1);
+};
+const live = await open();
 const report = {};
 try {
   report.first_picture_ms = await live.wait_for_picture();
@@ -69,10 +74,10 @@ try {
   await pretend(server.url, { width: 640, height: 480 });
 
   // A second viewer changes nothing for the first; a third is told why it has to wait.
-  const second = await LivePage.open(server.url);
+  const second = await open();
   await second.wait_for_picture();
   checkStep(await second.grab_frames(3), 'the second viewer');
-  const third = await LivePage.open(server.url);
+  const third = await open();
   await third.page.getByText('All places for viewers are taken').waitFor();
   await second.close();
   await third.wait_for_picture();
@@ -87,7 +92,7 @@ try {
 
   // Who comes to a standing picture sees it all the same.
   await pretend(server.url, { stalls: true });
-  const late = await LivePage.open(server.url);
+  const late = await open();
   await until('a standing picture is shown',
     () => late.page.evaluate(() => window.morgagni.live.video.videoWidth === 640));
   await late.close();
@@ -106,6 +111,6 @@ try {
   console.error(error.message, '\n', server.log.slice(-10).join('\n'));
   process.exitCode = 1;
 } finally {
-  await live.close();
+  await Promise.all(pages.map((page) => page.close()));
   await server.stop();
 }

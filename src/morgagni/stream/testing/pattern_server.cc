@@ -89,6 +89,7 @@ class PretendedSession {
         route("POST", "/api/view", &PretendedSession::set_view),
         route("GET", "/api/texture", &PretendedSession::get_texture),
         route("GET", "/api/cts", &PretendedSession::get_cts),
+        route("GET", "/api/self-calibration", &PretendedSession::get_self_calibration),
         route("POST", "/api/start/automatic", &PretendedSession::search),
         route("POST", "/api/touch", &PretendedSession::touch),
         route("POST", "/api/start/placement", &PretendedSession::place),
@@ -155,6 +156,17 @@ class PretendedSession {
     return ok(view_);
   }
   HttpResponse get_cts(const HttpRequest&) { return ok({{"names", json::array()}, {"shown", ""}}); }
+  HttpResponse get_self_calibration(const HttpRequest&) {
+    return ok({{"phase", "gathering"},
+               {"views", 0},
+               {"wanted_views", 60},
+               {"views_in_part", json::array({0, 0, 0, 0, 0, 0, 0, 0, 0})},
+               {"missing", json::array()},
+               {"found", nullptr},
+               {"applied", nullptr},
+               {"device", nullptr},
+               {"problem", nullptr}});
+  }
   HttpResponse get_texture(const HttpRequest&) {
     return ok({{"ready", false},
                {"recording", false},
