@@ -21,6 +21,10 @@ constexpr int kMinSidePx = 16;
 constexpr int kMaxSidePx = 4096;
 // A viewer who keeps asking must not turn the stream into key pictures for everybody.
 constexpr milliseconds kMinKeyPeriod{250};
+/// A browser that missed the key picture asks for another one only while it receives something: a
+/// standing picture is sent some times more.
+constexpr int kMoreRepeats = 4;
+constexpr milliseconds kRepeatPeriod{1000};
 // One tick of the 90 kHz clock, rounded up: two pictures never share a stamp.
 constexpr GstClockTime kTick = 11112;
 
@@ -172,6 +176,7 @@ void VideoEncoder::request_key_picture() {
   {
     const std::lock_guard lock(mutex_);
     key_wanted_ = true;
+    repeats_left_ = kMoreRepeats;
   }
   changed_.notify_one();
 }
@@ -180,10 +185,16 @@ std::optional<VideoEncoder::Picture> VideoEncoder::take() {
   std::unique_lock lock(mutex_);
   // A running camera answers a wish for a key picture by its next one; a standing one by a repeat.
   const auto has_work = [this] { return waiting_ || stopping_; };
+  const auto wants_repeat = [this] {
+    return current_.pixels && (key_wanted_ || repeats_left_ > 0);
+  };
   while (!has_work()) {
-    if (!key_wanted_ || !current_.pixels) {
-      changed_.wait(lock, [&] { return has_work() || (key_wanted_ && current_.pixels); });
-    } else if (!changed_.wait_for(lock, kMinKeyPeriod, has_work)) {
+    const bool wants_key = key_wanted_;
+    const auto is_overtaken = [&] { return has_work() || wants_key != key_wanted_; };
+    if (!wants_repeat()) {
+      changed_.wait(lock, [&] { return has_work() || wants_repeat(); });
+    } else if (!changed_.wait_for(lock, wants_key ? kMinKeyPeriod : kRepeatPeriod, is_overtaken)) {
+      if (!wants_key) --repeats_left_;
       Picture repeat = current_;
       repeat.is_repeat = true;
       return repeat;

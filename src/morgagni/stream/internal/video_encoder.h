@@ -79,6 +79,7 @@ class VideoEncoder {
   std::condition_variable changed_;
   std::optional<Picture> waiting_;
   bool key_wanted_ = false;
+  int repeats_left_ = 0;  ///< Of a standing picture, after somebody wanted a key picture.
   bool stopping_ = false;
   std::uint64_t num_encoded_ = 0;
   std::uint64_t num_dropped_ = 0;
