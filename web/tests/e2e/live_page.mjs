@@ -4,6 +4,7 @@
 // Starts a server, opens its page in a real Chromium with a fresh profile, and takes pictures out
 // of the video together with what the server said about exactly those pictures.
 
+import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { mkdtemp, rm } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
@@ -162,5 +163,32 @@ export class LivePage {
   async close() {
     await this.context.close();
     await rm(this.profile, { recursive: true, force: true });
+  }
+}
+
+/**
+ * Runs a page test's steps one after the other and says how it went; the page and the server are
+ * closed in any case.
+ * @param {{live: LivePage, server: object, shoot: (name: string) => Promise<void>,
+ *   is_expected?: (error: string) => boolean}} test  What the page may complain of; else nothing.
+ * @param {(() => Promise<void>)[]} steps
+ */
+export async function runSteps({ live, server, shoot, is_expected = () => false }, steps) {
+  try {
+    await live.wait_for_picture();
+    for (const step of steps) {
+      await step().catch((error) => {
+        throw new Error(`${step.name}: ${error.message}`);
+      });
+    }
+    assert.deepEqual(live.errors.filter((text) => !is_expected(text)), [], 'the page complains');
+    console.log('{"ok": true}');
+  } catch (error) {
+    await shoot('failure');
+    console.error(error.message, '\n', server.log.slice(-10).join('\n'));
+    process.exitCode = 1;
+  } finally {
+    await live.close();
+    await server.stop();
   }
 }

@@ -6,7 +6,7 @@
 
 import assert from 'node:assert/strict';
 import { join } from 'node:path';
-import { LivePage, startServer } from './live_page.mjs';
+import { LivePage, runSteps, startServer } from './live_page.mjs';
 
 const [program, webRoot, shots, picture] = process.argv.slice(2);
 const server = await startServer(
@@ -116,20 +116,4 @@ async function fingers_fit() {
   }
 }
 
-try {
-  await live.wait_for_picture();
-  for (const step of [what_is_before_and_behind, slices, volumes, nothing_again, fingers_fit]) {
-    await step().catch((error) => {
-      throw new Error(`${step.name}: ${error.message}`);
-    });
-  }
-  assert.deepEqual(live.errors, [], 'the page complains');
-  console.log('{"ok": true}');
-} catch (error) {
-  await shoot('failure');
-  console.error(error.message, '\n', server.log.slice(-10).join('\n'));
-  process.exitCode = 1;
-} finally {
-  await live.close();
-  await server.stop();
-}
+await runSteps({ live, server, shoot }, [what_is_before_and_behind, slices, volumes, nothing_again, fingers_fit]);
