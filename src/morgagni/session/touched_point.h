@@ -17,4 +17,15 @@ struct TouchedPoint {
   TrackingState state = TrackingState::kWaiting;
 };
 
+/// What lies under a pixel of a frame's colour picture. None: the camera has no depth there.
+/// @param shown  Has a pose.
+[[nodiscard]] std::optional<TouchedPoint> touched_point(const TrackedFrame& shown,
+                                                        const Eigen::Vector2d& color_pixel);
+
+/// The error bound at what a frame shows at a place of its picture.
+/// @param share  The place: 0..1 of the picture's width and height.
+/// @return mm. None: no pose, no covariance or no depth there.
+[[nodiscard]] std::optional<double> bound_at_mm(const TrackedFrame& shown,
+                                                const Eigen::Vector2d& share);
+
 }  // namespace mor
