@@ -13,7 +13,7 @@
 
 #include "morgagni/casefile/testing/synthetic_case.h"
 #include "morgagni/core/image_png.h"
-#include "morgagni/session/findings_routes.h"
+#include "morgagni/session/routes/findings_routes.h"
 
 namespace mor {
 namespace {

@@ -17,7 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "morgagni/casefile/testing/synthetic_case.h"
-#include "morgagni/session/live_api.h"
+#include "morgagni/session/routes/live_api.h"
 
 namespace mor {
 namespace {

@@ -9,15 +9,15 @@
 #include <utility>
 
 #include "morgagni/core/folder_lock.h"
-#include "morgagni/session/api_json.h"
-#include "morgagni/session/documents_routes.h"
-#include "morgagni/session/findings_routes.h"
-#include "morgagni/session/live_api.h"
-#include "morgagni/session/recorder_routes.h"
-#include "morgagni/session/recording_routes.h"
-#include "morgagni/session/self_calibration_routes.h"
-#include "morgagni/session/still_routes.h"
-#include "morgagni/session/texture_routes.h"
+#include "morgagni/session/routes/api_json.h"
+#include "morgagni/session/routes/documents_routes.h"
+#include "morgagni/session/routes/findings_routes.h"
+#include "morgagni/session/routes/live_api.h"
+#include "morgagni/session/routes/recorder_routes.h"
+#include "morgagni/session/routes/recording_routes.h"
+#include "morgagni/session/routes/self_calibration_routes.h"
+#include "morgagni/session/routes/still_routes.h"
+#include "morgagni/session/routes/texture_routes.h"
 
 namespace mor {
 namespace {

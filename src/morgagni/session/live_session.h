@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "morgagni/session/ct_routes.h"
 #include "morgagni/session/live_loop.h"
+#include "morgagni/session/routes/ct_routes.h"
 #include "morgagni/stream/live_server.h"
 
 namespace mor {

@@ -16,7 +16,7 @@
 #include "morgagni/evaluation/recording_evaluation.h"
 #include "morgagni/evaluation/target_sampling.h"
 #include "morgagni/registration/testing/test_body.h"
-#include "morgagni/session/self_calibration_routes.h"
+#include "morgagni/session/routes/self_calibration_routes.h"
 
 namespace mor {
 namespace {

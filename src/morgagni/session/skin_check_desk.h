@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "morgagni/ct/body_check.h"
-#include "morgagni/session/api_json.h"
+#include "morgagni/session/routes/api_json.h"
 #include "morgagni/session/skin_check.h"
 
 namespace mor {

@@ -18,7 +18,7 @@
 #include "morgagni/casefile/testing/synthetic_case.h"
 #include "morgagni/core/files.h"
 #include "morgagni/documentation/skin_texture_io.h"
-#include "morgagni/session/texture_routes.h"
+#include "morgagni/session/routes/texture_routes.h"
 
 namespace mor {
 namespace {

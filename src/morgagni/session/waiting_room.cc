@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "morgagni/core/printable_text.h"
-#include "morgagni/session/api_json.h"
+#include "morgagni/session/routes/api_json.h"
 
 namespace mor {
 namespace {

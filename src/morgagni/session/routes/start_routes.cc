@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/session/start_routes.h"
+#include "morgagni/session/routes/start_routes.h"
 
 #include <optional>
 
 #include <spdlog/fmt/fmt.h>
 
-#include "morgagni/session/api_json.h"
+#include "morgagni/session/routes/api_json.h"
 
 namespace mor {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/session/still_routes.h"
+#include "morgagni/session/routes/still_routes.h"
 
 #include <algorithm>
 #include <cctype>
@@ -13,8 +13,8 @@
 #include "morgagni/core/utc.h"
 #include "morgagni/core/version.h"
 #include "morgagni/render/pick.h"
-#include "morgagni/session/api_json.h"
 #include "morgagni/session/evidence_json.h"
+#include "morgagni/session/routes/api_json.h"
 
 namespace mor {
 namespace {

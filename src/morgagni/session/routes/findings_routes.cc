@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/session/findings_routes.h"
+#include "morgagni/session/routes/findings_routes.h"
 
 #include <cmath>
 
 #include "morgagni/documentation/findings_io.h"
-#include "morgagni/session/api_json.h"
+#include "morgagni/session/routes/api_json.h"
 
 namespace mor {
 namespace {

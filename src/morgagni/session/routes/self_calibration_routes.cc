@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/session/self_calibration_routes.h"
+#include "morgagni/session/routes/self_calibration_routes.h"
 
 #include <cmath>
 
-#include "morgagni/session/api_json.h"
+#include "morgagni/session/routes/api_json.h"
 
 namespace mor {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/session/recording_routes.h"
+#include "morgagni/session/routes/recording_routes.h"
 
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/core/version.h"
-#include "morgagni/session/api_json.h"
+#include "morgagni/session/routes/api_json.h"
 
 namespace mor {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/session/case_routes.h"
+#include "morgagni/session/routes/case_routes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include "morgagni/core/version.h"
 #include "morgagni/render/skin_view.h"
-#include "morgagni/session/api_json.h"
+#include "morgagni/session/routes/api_json.h"
 #include "morgagni/session/scene_view.h"
 
 namespace mor {

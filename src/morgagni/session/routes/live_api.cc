@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/session/live_api.h"
+#include "morgagni/session/routes/live_api.h"
 
 #include "morgagni/core/printable_text.h"
 #include "morgagni/core/utc.h"
-#include "morgagni/session/api_json.h"
-#include "morgagni/session/case_routes.h"
-#include "morgagni/session/start_routes.h"
-#include "morgagni/session/view_routes.h"
+#include "morgagni/session/routes/api_json.h"
+#include "morgagni/session/routes/case_routes.h"
+#include "morgagni/session/routes/start_routes.h"
+#include "morgagni/session/routes/view_routes.h"
 
 namespace mor {
 

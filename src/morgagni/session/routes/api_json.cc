@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/session/api_json.h"
+#include "morgagni/session/routes/api_json.h"
 
 #include <charconv>
 #include <cstddef>

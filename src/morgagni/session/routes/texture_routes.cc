@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/session/texture_routes.h"
+#include "morgagni/session/routes/texture_routes.h"
 
 #include <string>
 
-#include "morgagni/session/api_json.h"
+#include "morgagni/session/routes/api_json.h"
 
 namespace mor {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/session/documents_routes.h"
+#include "morgagni/session/routes/documents_routes.h"
 
 #include <algorithm>
 #include <mutex>
@@ -11,8 +11,8 @@
 
 #include "morgagni/core/files.h"
 #include "morgagni/documentation/viewer.h"
-#include "morgagni/session/api_json.h"
 #include "morgagni/session/document_case.h"
+#include "morgagni/session/routes/api_json.h"
 
 namespace mor {
 namespace {
