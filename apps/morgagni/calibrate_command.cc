@@ -18,6 +18,7 @@
 #include "morgagni/camera/infrared_source.h"
 #include "morgagni/core/files.h"
 
+#include "coming_camera.h"
 #include "commands.h"
 #include "exit.h"
 #include "options.h"
@@ -88,7 +89,16 @@ Gathered gather_images(const Arguments& arguments, const CalibrationBoard& board
 /// Looks until enough is gathered, the recording has ended, or Ctrl-C; says what to do meanwhile.
 Gathered gather_live(const Arguments& arguments, const CalibrationBoard& board, int num_views) {
   const StopSignals signals;
-  const auto camera = value_or_exit(open_camera_before_board(arguments.camera, board));
+  const auto camera = wait_for_camera(
+      [&](std::stop_token stop, const SayWaiting& say) {
+        return open_camera_before_board(arguments.camera, board, std::move(stop), say);
+      },
+      signals.token(),
+      [](const std::string& sentence) {
+        fmt::print("{}\n", sentence);
+        std::fflush(stdout);
+      });
+  if (!camera) throw CLI::RuntimeError(kExitFailure);
   auto* infrared_source = dynamic_cast<InfraredSource*>(camera.get());
   const auto infrared = [&]() -> std::optional<Image<Rgb8>> {
     if (infrared_source == nullptr) return std::nullopt;
@@ -188,7 +198,16 @@ void serve_page(const Arguments& arguments) {
   options.device_id = arguments.device;
   options.server = arguments.server;
   if (options.server.web_root.empty()) options.server.web_root = default_web_root();
-  auto camera = value_or_exit(open_camera_before_board(arguments.camera, options.board));
+  auto camera = wait_for_camera_on_page(
+      [&](std::stop_token stop, const SayWaiting& say) {
+        return open_camera_before_board(arguments.camera, options.board, std::move(stop), say);
+      },
+      signals.token(),
+      "Calibration",
+      arguments.camera,
+      "calibrate.html",
+      options.server);
+  if (!camera) return;
   const auto desk = value_or_exit(CalibrationDesk::start(std::move(camera), options));
   fmt::print("Calibration at http://127.0.0.1:{}/calibrate.html  (stop with Ctrl-C)\n",
              desk->port());

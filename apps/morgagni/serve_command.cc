@@ -3,14 +3,12 @@
 #include <chrono>
 #include <condition_variable>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <stop_token>
 #include <string>
-#include <thread>
 #include <utility>
 
 #include <CLI/CLI.hpp>
@@ -23,8 +21,8 @@
 #include "morgagni/casefile/case.h"
 #include "morgagni/core/log.h"
 #include "morgagni/session/live_session.h"
-#include "morgagni/session/waiting_room.h"
 
+#include "coming_camera.h"
 #include "commands.h"
 #include "exit.h"
 #include "options.h"
@@ -72,84 +70,24 @@ class NextCt {
   std::optional<std::string> name_;
 };
 
-/// A camera that comes, from a thread of its own.
-class ComingCamera {
- public:
-  using Opened = Result<std::unique_ptr<RangeCamera>>;
-
-  ComingCamera(const std::string& name,
-               std::shared_ptr<const TriangleMesh> skin,
-               const std::stop_token& stop)
-      : forward_(stop, [this] { stop_.request_stop(); }),
-        opener_([this, name, skin = std::move(skin), stopped = stop_.get_token()] {
-          auto opened = open_camera(
-              name, skin, stopped, CalibrationStore().known(), [this](const auto& what) {
-                const std::scoped_lock lock(mutex_);
-                waits_for_ = what;
-                changed_.notify_all();
-              });
-          const std::scoped_lock lock(mutex_);
-          opened_ = std::move(opened);
-          changed_.notify_all();
-        }) {}
-  ~ComingCamera() { stop_.request_stop(); }
-  ComingCamera(const ComingCamera&) = delete;
-  ComingCamera& operator=(const ComingCamera&) = delete;
-
-  /// Until the camera is there or could not be opened, what is waited for is another than `said`,
-  /// or `time` is over. @return Whether the camera is there or could not be opened.
-  bool wait(std::chrono::milliseconds time, const std::string& said) {
-    std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, time, [&] { return opened_ || waits_for_ != said; });
-    return opened_.has_value();
-  }
-  std::string waits_for() {
-    const std::scoped_lock lock(mutex_);
-    return waits_for_;
-  }
-  /// After wait() was true. Null: stopped before.
-  std::unique_ptr<RangeCamera> take_or_exit() {
-    if (!*opened_ && opened_->error().code == ErrorCode::kCancelled) return nullptr;
-    return value_or_exit(*std::move(opened_));
-  }
-
- private:
-  std::mutex mutex_;  ///< Guards the three below.
-  std::condition_variable changed_;
-  std::string waits_for_;
-  std::optional<Opened> opened_;
-  std::stop_source stop_;
-  std::stop_callback<std::function<void()>> forward_;
-  std::jthread opener_;
-};
-
 /// The camera. Where it has to be waited for, the page says meanwhile what for. Null: stopped.
 std::unique_ptr<RangeCamera> camera_of(Arguments& arguments,
                                        const Case& body,
                                        const std::stop_token& stop) {
-  constexpr std::chrono::milliseconds kUsualTime{1000};
   const auto skin = std::shared_ptr<const TriangleMesh>(body.skin, &body.skin->mesh);
+  const auto known = CalibrationStore().known();
   if (!is_device_camera(arguments.camera)) {
-    return value_or_exit(open_camera(arguments.camera, skin, stop, CalibrationStore().known()));
+    return value_or_exit(open_camera(arguments.camera, skin, stop, known));
   }
-  ComingCamera coming(arguments.camera, skin, stop);
-  if (coming.wait(kUsualTime, "")) return coming.take_or_exit();
-  auto& server = arguments.options.server;
-  const auto room = value_or_exit(WaitingRoom::open(body.name, arguments.camera, server));
-  server.port = room->port();  // The session begins where the page is.
-  fmt::print("Case {} waits for its camera at http://127.0.0.1:{}/  (stop with Ctrl-C)\n",
-             body.name,
-             room->port());
-  std::fflush(stdout);
-  std::string said;
-  do {
-    auto waits_for = coming.waits_for();
-    if (waits_for == said) continue;
-    said = std::move(waits_for);
-    room->say(said);
-    log::info("waiting: {}", said);
-  } while (!coming.wait(std::chrono::hours(1), said));
-  return coming.take_or_exit();
+  return wait_for_camera_on_page(
+      [&](std::stop_token stopped, const SayWaiting& say) {
+        return open_camera(arguments.camera, skin, std::move(stopped), known, say);
+      },
+      stop,
+      body.name,
+      arguments.camera,
+      "",
+      arguments.options.server);
 }
 
 /// One CT of the case, until another one is asked for.

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Usage: node push_page_test.mjs MORGAGNI WEB_ROOT SCRATCH [FOLDER_FOR_SCREENSHOTS]
-// examples/push_page in a real Chromium pushes a recording to `serve`, which finds and tracks the body in it.
+// examples/push_page in a real Chromium pushes a recording to `serve`, which finds and tracks the body in it, and to
+// `calibrate --page`; both pages are there before any device is.
 
 import assert from 'node:assert/strict';
 import { execFileSync, spawn } from 'node:child_process';
@@ -41,19 +42,32 @@ writeFileSync(join(cameras, 'push-bench', '2024-01-31T10-00-00Z.json'), JSON.str
   made_at: '2024-01-31T10:00:00Z', made_by: 'board', figures: {},
   calibration: { depth: pinhole, color: pinhole, color_from_depth: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]],
     origin: 'board, 2024-01-31T10:00:00Z' } }));
-const server = spawn(program, ['serve', '--case', folder, '--camera', 'push:0', '--port', '0', '--web', webRoot],
-  { stdio: ['ignore', 'pipe', 'pipe'], env: { ...process.env, MORGAGNI_CAMERAS_DIR: cameras } });
-const log = [];
-for (const stream of [server.stdout, server.stderr]) createInterface(stream).on('line', (line) => log.push(line));
-async function says(pattern, timeout_ms = 120000) {
-  const until = Date.now() + timeout_ms;
-  while (Date.now() < until) {
-    const found = log.map((line) => pattern.exec(line)).find(Boolean);
-    if (found) return found[0];
-    await new Promise((resolve) => setTimeout(resolve, 50));
-  }
-  throw new Error(`morgagni never said ${pattern}:\n${log.join('\n')}`);
+
+/** The program with a camera that is pushed: `says` waits for what it prints, `stop` ends it well. */
+function startForPush(args) {
+  const server = spawn(program, [...args, '--camera', 'push:0', '--port', '0', '--web', webRoot],
+    { stdio: ['ignore', 'pipe', 'pipe'], env: { ...process.env, MORGAGNI_CAMERAS_DIR: cameras } });
+  const log = [];
+  for (const stream of [server.stdout, server.stderr]) createInterface(stream).on('line', (line) => log.push(line));
+  return {
+    async says(pattern, timeout_ms = 120000) {
+      const until = Date.now() + timeout_ms;
+      while (Date.now() < until) {
+        const found = log.map((line) => pattern.exec(line)).find(Boolean);
+        if (found) return found[0];
+        await new Promise((resolve) => setTimeout(resolve, 50));
+      }
+      throw new Error(`morgagni never said ${pattern}:\n${log.join('\n')}`);
+    },
+    async stop() {
+      server.kill('SIGTERM');
+      const code = await new Promise((resolve) => server.once('exit', resolve));
+      assert.equal(code, 0, log.join('\n'));
+    },
+  };
 }
+
+const { says, stop } = startForPush(['serve', '--case', folder]);
 
 const pushed = await says(/ws:\/\/127\.0\.0\.1:\d+/);
 // The page is there before any device is, and says what it waits for.
@@ -91,10 +105,26 @@ await live.page.waitForFunction(() => JSON.stringify(window.morgagni.status).inc
 await device.page.click('#start');
 await live.wait_for_state('tracking', 60000);
 
-await device.close();
 await live.close();
+await stop();
+
+// The same with the calibration's page: it waits, and goes on by itself once something is pushed.
+const calibration_server = startForPush(['calibrate', '--page', '--device', 'push-bench']);
+const pushed_there = await calibration_server.says(/ws:\/\/127\.0\.0\.1:\d+/);
+const board = await LivePage.open(await calibration_server.says(/http:\/\/127\.0\.0\.1:\d+\/calibrate\.html/),
+  { width: 1180, height: 820 });
+await board.page.getByText(`Waiting for the first picture of push:0 – no device is connected: it must push to ${pushed_there}`).waitFor();
+assert.equal(await board.page.getByRole('button', { name: 'Calculate' }).isVisible(), false, 'nothing to press yet');
+if (shots) await board.screenshot(join(shots, 'push_calibrate_waiting.png'));
+await device.page.fill('#address', `${pushed_there}/?device=bench`);
+await device.page.click('#start');
+await board.wait_for_picture(60000);
+await board.page.getByRole('button', { name: 'Calculate' }).waitFor();
+assert.ok(await board.page.getByText('in use: board').isVisible());
+if (shots) await board.screenshot(join(shots, 'push_calibrate.png'));
+
+await device.close();
+await board.close();
 served.close();
-server.kill('SIGTERM');
-const code = await new Promise((resolve) => server.once('exit', resolve));
-assert.equal(code, 0, log.join('\n'));
-console.log(`tracked what a page pushed (bound ${bound_mm ?? 'none'} mm), and again after it had gone`);
+await calibration_server.stop();
+console.log(`tracked what a page pushed (bound ${bound_mm ?? 'none'} mm), and again after it had gone; calibrate waits for it too`);

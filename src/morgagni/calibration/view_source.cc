@@ -113,7 +113,9 @@ RgbdCalibration unknown_calibration(const StillPictures& pictures) {
 }
 
 Result<std::unique_ptr<RangeCamera>> open_camera_before_board(const std::string& name,
-                                                              const CalibrationBoard& board) {
+                                                              const CalibrationBoard& board,
+                                                              std::stop_token stop,
+                                                              const SayWaiting& say) {
   MOR_CHECK(board.check());
   if (name.starts_with(kSimulated)) {
     MOR_TRY(const auto options, SimulatedBoardOptions::parse(name.substr(kSimulated.size())));
@@ -123,7 +125,7 @@ Result<std::unique_ptr<RangeCamera>> open_camera_before_board(const std::string&
   if (name.starts_with("simulated:")) {
     return bad("the simulated body holds no board: try simulated-board:");
   }
-  return open_camera(name, nullptr);
+  return open_camera(name, nullptr, std::move(stop), {}, say);
 }
 
 }  // namespace mor

@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "morgagni/calibration/board.h"
+#include "morgagni/camera/open_camera.h"
 #include "morgagni/camera/range_camera.h"
 #include "morgagni/core/result.h"
 
@@ -38,6 +40,9 @@ struct StillPictures {
 /// all that open_camera() knows there is `simulated-board:key=value,...` (SimulatedBoardOptions).
 /// @errors As open_camera(); kInvalidArgument for the simulated body, which holds no board.
 [[nodiscard]] Result<std::unique_ptr<RangeCamera>> open_camera_before_board(
-    const std::string& name, const CalibrationBoard& board);
+    const std::string& name,
+    const CalibrationBoard& board,
+    std::stop_token stop = {},
+    const SayWaiting& say = {});
 
 }  // namespace mor

@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
+import type { Waiting } from '../api';
 import { h, setText } from '../dom';
 import { LiveVideo } from '../live_video';
 import { sentenceOf } from '../server_error';
+import { waitingBanner } from '../status_text';
 import { hintOf, hintPicture, partOf } from './hint';
 import { countOf, shareOf } from './progress';
 import { asSentence } from './sentence';
@@ -62,6 +64,7 @@ export class CalibratePage {
   private readonly solve = this.key('Calculate', 'solve');
   private readonly save = this.key('Keep it', 'save');
   private readonly restart = this.key('Begin again', 'restart');
+  private isWaiting = false;
   private shownHints = '';
   private shownResult = '';
 
@@ -87,9 +90,21 @@ export class CalibratePage {
     void this.live.connect();
     const events = new EventSource('/api/events');
     events.addEventListener('status', (event) => {
-      this.show(JSON.parse((event as MessageEvent<string>).data) as CalibrationState);
+      const state = JSON.parse((event as MessageEvent<string>).data) as CalibrationState | Waiting;
+      if ('waiting_for_camera' in state) {
+        this.showWaiting(state);
+      } else if (this.isWaiting) {
+        window.location.reload();
+      } else {
+        this.show(state);
+      }
     });
-    void this.send('GET', '/api/calibration');
+  }
+
+  private showWaiting(waiting: Waiting): void {
+    this.isWaiting = true;
+    this.main.classList.add('no-camera');
+    setText(this.say, waitingBanner(waiting).text);
   }
 
   private key(words: string, action: string): HTMLButtonElement {
