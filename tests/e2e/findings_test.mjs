@@ -8,23 +8,14 @@
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
-import { existsSync, mkdirSync, readdirSync, readFileSync, rmSync } from 'node:fs';
+import { readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 import { LivePage, startServer } from '../../web/tests/e2e/live_page.mjs';
+import { makeDemoCase } from './demo_case.mjs';
 
 const [program, webRoot, scratch, shots] = process.argv.slice(2);
-const DEMO_PROJECT = '/usr/share/doc/invesalius-examples/examples/Cranium.inv3';
-if (!existsSync(DEMO_PROJECT)) {
-  console.log(`skipped: ${DEMO_PROJECT} is not installed (Debian package invesalius-examples)`);
-  process.exit(77);
-}
-
-const folder = join(scratch, 'case');
-rmSync(scratch, { recursive: true, force: true });
-mkdirSync(scratch, { recursive: true });
-execFileSync('bash', ['-c', `. scripts/demo_ct.sh && make_demo_ct '${scratch}'`]);
-execFileSync(program, ['prepare', join(scratch, 'head.mhd'), '--case', folder, '--vertices', '8000']);
+const folder = makeDemoCase(program, scratch, '--vertices', '8000');
 
 const json = (...parts) => JSON.parse(readFileSync(join(folder, ...parts), 'utf8'));
 const sha256 = (...parts) => createHash('sha256').update(readFileSync(join(folder, ...parts))).digest('hex');

@@ -7,11 +7,11 @@
 // the true pose of each frame projects them, computed here from scratch.
 
 import assert from 'node:assert/strict';
-import { execFileSync } from 'node:child_process';
-import { existsSync, mkdirSync, readFileSync, rmSync } from 'node:fs';
+import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 
 import { LivePage, startServer } from '../../web/tests/e2e/live_page.mjs';
+import { makeDemoCase, recordDemoCase } from './demo_case.mjs';
 import { overlap, readPly, readTruth, silhouette } from './silhouette.mjs';
 
 const NUM_FRAMES = 45;
@@ -27,19 +27,8 @@ const MAX_SHIFT_PX = 1;
 const SEARCH_PX = 4;
 
 const [program, webRoot, scratch, shots] = process.argv.slice(2);
-const DEMO_PROJECT = '/usr/share/doc/invesalius-examples/examples/Cranium.inv3';
-if (!existsSync(DEMO_PROJECT)) {
-  console.log(`skipped: ${DEMO_PROJECT} is not installed (Debian package invesalius-examples)`);
-  process.exit(77);
-}
-
-rmSync(scratch, { recursive: true, force: true });
-mkdirSync(scratch, { recursive: true });
-const folder = join(scratch, 'case');
-const recording = join(scratch, 'recording');
-execFileSync('bash', ['-c', `. scripts/demo_ct.sh && make_demo_ct '${scratch}'`]);
-execFileSync(program, ['prepare', join(scratch, 'head.mhd'), '--case', folder]);
-execFileSync(program, ['record', '--case', folder, '--camera', 'simulated:seed=5,distance=450', '--frames', `${NUM_FRAMES}`, '--out', recording]);
+const folder = makeDemoCase(program, scratch);
+const recording = recordDemoCase(program, folder, NUM_FRAMES);
 
 const bones = await readPly(join(folder, 'bone.ply'));
 const truth = await readTruth(recording);

@@ -5,7 +5,6 @@
 #include <memory>
 
 #include <glib-object.h>
-#include <gst/gst.h>
 
 namespace mor {
 
@@ -19,10 +18,6 @@ struct FreeWith {
 
 template <class T>
 using GObjectHandle = std::unique_ptr<T, FreeWith<g_object_unref>>;
-template <class T>
-using GstHandle = std::unique_ptr<T, FreeWith<gst_object_unref>>;
-using GstCapsHandle = std::unique_ptr<GstCaps, FreeWith<gst_caps_unref>>;
-using GstBufferHandle = std::unique_ptr<GstBuffer, FreeWith<gst_buffer_unref>>;
 using GErrorHandle = std::unique_ptr<GError, FreeWith<g_error_free>>;
 using GCharHandle = std::unique_ptr<char, FreeWith<g_free>>;
 

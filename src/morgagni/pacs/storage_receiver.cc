@@ -22,16 +22,15 @@
 
 #include "morgagni/core/folder_lock.h"
 #include "morgagni/core/log.h"
+#include "morgagni/core/unique_fd.h"
 #include "morgagni/pacs/dimse_protocol.h"
 #include "morgagni/pacs/internal/dimse_process.h"
 #include "morgagni/pacs/internal/dimse_task.h"
-#include "morgagni/pacs/internal/unique_fd.h"
 
 namespace mor {
 namespace {
 
 namespace fs = std::filesystem;
-using internal::UniqueFd;
 
 struct Listener {
   UniqueFd socket;

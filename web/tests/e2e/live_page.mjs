@@ -25,11 +25,13 @@ const BROWSER_FLAGS = [
 
 /**
  * Runs a server command and waits for the address it prints (http://127.0.0.1:PORT).
- * @returns {Promise<{url: string, stop: () => Promise<number|null>, log: string[], pid: number}>}
+ * `says` waits for what it prints besides.
+ * @returns {Promise<{url: string, says: (pattern: RegExp) => Promise<string>, stop: () => Promise<number|null>,
+ *   log: string[], pid: number}>}
  */
-export async function startServer(command, { timeout_ms = 60000 } = {}) {
+export async function startServer(command, { timeout_ms = 60000, env = process.env } = {}) {
   const [program, ...parameters] = command;
-  const process_ = spawn(program, parameters, { stdio: ['ignore', 'pipe', 'pipe'] });
+  const process_ = spawn(program, parameters, { stdio: ['ignore', 'pipe', 'pipe'], env });
   const log = [];
   const ended = new Promise((resolve) => process_.once('exit', resolve));
   const url = await new Promise((resolve, reject) => {
@@ -53,6 +55,15 @@ export async function startServer(command, { timeout_ms = 60000 } = {}) {
     process_.kill('SIGKILL');
     throw error;
   });
+  const says = async (pattern) => {
+    const until = Date.now() + timeout_ms;
+    while (Date.now() < until) {
+      const found = log.map((line) => pattern.exec(line)).find(Boolean);
+      if (found) return found[0];
+      await new Promise((resolve) => setTimeout(resolve, 50));
+    }
+    throw new Error(`${program} never said ${pattern}:\n${log.join('\n')}`);
+  };
   const stop = async () => {
     process_.kill('SIGTERM');
     const timer = setTimeout(() => process_.kill('SIGKILL'), 10000);
@@ -60,7 +71,7 @@ export async function startServer(command, { timeout_ms = 60000 } = {}) {
     clearTimeout(timer);
     return code;
   };
-  return { url, stop, log, pid: process_.pid };
+  return { url, says, stop, log, pid: process_.pid };
 }
 
 /** One page in a browser of its own. */

@@ -23,6 +23,7 @@
 
 #include "morgagni/core/log.h"
 #include "morgagni/core/printable_text.h"
+#include "morgagni/core/unique_fd.h"
 #include "morgagni/ct/import_protocol.h"
 #include "morgagni/ct/internal/volume_header.h"
 
@@ -36,26 +37,9 @@ constexpr std::size_t kMaxSeries = 1000;
 constexpr std::size_t kMaxLabels = 1000;
 constexpr int kMaxMaps = 200;
 
-/// A file descriptor that closes itself.
-class Fd {
- public:
-  explicit Fd(int fd = -1) : fd_(fd) {}
-  Fd(const Fd&) = delete;
-  Fd& operator=(const Fd&) = delete;
-  ~Fd() { reset(); }
-  void reset() {
-    if (fd_ >= 0) ::close(fd_);
-    fd_ = -1;
-  }
-  [[nodiscard]] int get() const { return fd_; }
-
- private:
-  int fd_;
-};
-
 /// The same file on a number that the two fixed ones of the protocol cannot overwrite.
 int above_the_fixed_ones(int fd) {
-  const Fd original(fd);
+  const UniqueFd original(fd);
   return ::fcntl(fd, F_DUPFD_CLOEXEC, kImportVoxelsFd + 1);
 }
 
@@ -313,14 +297,14 @@ Error death_of_child(int status, const Talk& talk, const std::filesystem::path& 
 /// Starts the program, hears it to its end and finds out how it ended.
 Result<Talk> converse(const std::filesystem::path& program,
                       const ImportJob& job,
-                      const Fd& voxels,
+                      const UniqueFd& voxels,
                       std::chrono::seconds time_limit,
                       const Progress& progress) {
   std::array<int, 2> pipe_fds{};
   if (::pipe2(pipe_fds.data(), O_CLOEXEC) != 0)
     return make_error(ErrorCode::kIo, "cannot open a pipe to the import process");
-  const Fd messages(pipe_fds[0]);
-  Fd messages_of_child(above_the_fixed_ones(pipe_fds[1]));
+  const UniqueFd messages(pipe_fds[0]);
+  UniqueFd messages_of_child(above_the_fixed_ones(pipe_fds[1]));
   if (messages_of_child.get() < 0 || voxels.get() < 0)
     return make_error(ErrorCode::kIo, "cannot make a memory file for the import process");
   MOR_TRY(const pid_t child, spawn(program, job, messages_of_child.get(), voxels.get()));
@@ -361,7 +345,7 @@ Result<Volume> run_import_process(const std::filesystem::path& program,
                                   const ImportJob& job,
                                   std::chrono::seconds time_limit,
                                   const Progress& progress) {
-  const Fd voxels(above_the_fixed_ones(::memfd_create("morgagni-import", MFD_CLOEXEC)));
+  const UniqueFd voxels(above_the_fixed_ones(::memfd_create("morgagni-import", MFD_CLOEXEC)));
   MOR_TRY(const Talk talk, converse(program, job, voxels, time_limit, progress));
   MOR_TRY(Volume volume, take_volume(voxels.get()).map_error(naming(job.path)));
   if (progress) progress(kStage, 1.0);
@@ -372,7 +356,7 @@ Result<LabelMap> run_label_process(const std::filesystem::path& program,
                                    const ImportJob& job,
                                    std::chrono::seconds time_limit,
                                    const Progress& progress) {
-  const Fd voxels(above_the_fixed_ones(::memfd_create("morgagni-import", MFD_CLOEXEC)));
+  const UniqueFd voxels(above_the_fixed_ones(::memfd_create("morgagni-import", MFD_CLOEXEC)));
   MOR_TRY(Talk talk, converse(program, job, voxels, time_limit, progress));
   LabelMap labels;
   MOR_TRY(labels.voxels, take_volume(voxels.get()).map_error(naming(job.path)));
@@ -386,7 +370,7 @@ Result<ImportedMesh> run_mesh_process(const std::filesystem::path& program,
                                       const ImportJob& job,
                                       std::chrono::seconds time_limit,
                                       const Progress& progress) {
-  const Fd memory(above_the_fixed_ones(::memfd_create("morgagni-import", MFD_CLOEXEC)));
+  const UniqueFd memory(above_the_fixed_ones(::memfd_create("morgagni-import", MFD_CLOEXEC)));
   MOR_TRY(const Talk talk, converse(program, job, memory, time_limit, progress));
   MOR_TRY(TriangleMesh mesh, take_mesh(memory.get()).map_error(naming(job.path)));
   if (progress) progress(kStage, 1.0);
@@ -397,7 +381,7 @@ Result<std::vector<CtSeries>> run_series_process(const std::filesystem::path& pr
                                                  const ImportJob& job,
                                                  std::chrono::seconds time_limit,
                                                  const Progress& progress) {
-  const Fd nothing(above_the_fixed_ones(::memfd_create("morgagni-import", MFD_CLOEXEC)));
+  const UniqueFd nothing(above_the_fixed_ones(::memfd_create("morgagni-import", MFD_CLOEXEC)));
   MOR_TRY(Talk talk, converse(program, job, nothing, time_limit, progress));
   if (progress) progress(kStage, 1.0);
   return std::move(talk.series);

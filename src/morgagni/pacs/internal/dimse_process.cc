@@ -18,8 +18,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "morgagni/core/unique_fd.h"
 #include "morgagni/pacs/dimse_protocol.h"
-#include "morgagni/pacs/internal/unique_fd.h"
 
 namespace mor::internal {
 namespace {

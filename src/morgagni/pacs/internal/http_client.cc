@@ -8,24 +8,13 @@
 #include <libsoup/soup.h>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/core/glib_handles.h"
 #include "morgagni/core/version.h"
 
 namespace mor::internal {
 namespace {
 
 constexpr std::size_t kReadBytes = 1U << 18U;
-
-template <auto Free>
-struct FreeWith {
-  template <class T>
-  void operator()(T* pointer) const {
-    Free(pointer);
-  }
-};
-template <class T>
-using GObjectHandle = std::unique_ptr<T, FreeWith<g_object_unref>>;
-using GErrorHandle = std::unique_ptr<GError, FreeWith<g_error_free>>;
-using GCharHandle = std::unique_ptr<char, FreeWith<g_free>>;
 
 Error error_of(const std::string& host, const GError& error) {
   if (g_error_matches(&error, G_IO_ERROR, G_IO_ERROR_CANCELLED) != FALSE)

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "morgagni/core/glib_handles.h"
+#include "morgagni/stream/internal/gst_handles.h"
 
 namespace mor::internal {
 

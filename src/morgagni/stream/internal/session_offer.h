@@ -7,8 +7,8 @@
 
 #include <gst/sdp/sdp.h>
 
-#include "morgagni/core/glib_handles.h"
 #include "morgagni/core/result.h"
+#include "morgagni/stream/internal/gst_handles.h"
 
 namespace mor::internal {
 

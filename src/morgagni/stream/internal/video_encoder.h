@@ -12,10 +12,10 @@
 #include <string>
 #include <utility>
 
-#include "morgagni/core/glib_handles.h"
 #include "morgagni/core/image.h"
 #include "morgagni/core/result.h"
 #include "morgagni/core/statistics.h"
+#include "morgagni/stream/internal/gst_handles.h"
 #include "morgagni/stream/live_server.h"
 
 namespace mor::internal {

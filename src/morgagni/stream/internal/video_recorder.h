@@ -12,8 +12,8 @@
 #include <thread>
 #include <utility>
 
-#include "morgagni/core/glib_handles.h"
 #include "morgagni/core/result.h"
+#include "morgagni/stream/internal/gst_handles.h"
 #include "morgagni/stream/internal/video_encoder.h"
 #include "morgagni/stream/video_recording.h"
 

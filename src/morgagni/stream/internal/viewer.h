@@ -12,9 +12,9 @@
 #define GST_USE_UNSTABLE_API
 #include <gst/webrtc/webrtc.h>
 
-#include "morgagni/core/glib_handles.h"
 #include "morgagni/core/main_loop.h"
 #include "morgagni/core/result.h"
+#include "morgagni/stream/internal/gst_handles.h"
 #include "morgagni/stream/internal/session_offer.h"
 #include "morgagni/stream/internal/video_encoder.h"
 

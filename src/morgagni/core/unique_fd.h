@@ -6,7 +6,7 @@
 
 #include <unistd.h>
 
-namespace mor::internal {
+namespace mor {
 
 /// A file descriptor that closes itself.
 class UniqueFd {
@@ -28,4 +28,4 @@ class UniqueFd {
   int fd_;
 };
 
-}  // namespace mor::internal
+}  // namespace mor
