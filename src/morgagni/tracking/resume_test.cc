@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "morgagni/camera/simulated_camera.h"
+#include "morgagni/geometry/depth_raster.h"
 #include "morgagni/geometry/rigid.h"
 #include "morgagni/registration/testing/test_body.h"
 #include "morgagni/tracking/tracker.h"
@@ -129,6 +130,55 @@ TEST_F(ResumeTest, FindsTheBodyAfterTheCameraMovedFarUnseen) {
   start_at(from);
   for (int i = 0; i < 60; ++i) cover(from, 0);
   EXPECT_LE(frames_to_tracking(to), kWithinFrames);
+}
+
+/// The body sunk a little into a table of 3 x 3 m, so that one surface runs from one to the other.
+TriangleMesh in_table(TriangleMesh body) {
+  constexpr std::uint32_t kPieces = 30;
+  constexpr float kPieceMm = 100.0F;
+  const float table_y_mm = body.bounds().max().y() - 40.0F;
+  const auto first = static_cast<std::uint32_t>(body.vertices.size());
+  for (std::uint32_t i = 0; i <= kPieces; ++i) {
+    for (std::uint32_t j = 0; j <= kPieces; ++j) {
+      const auto at = [](std::uint32_t n) { return kPieceMm * (static_cast<float>(n) - 15.0F); };
+      body.vertices.emplace_back(at(j), table_y_mm, at(i));
+      if (i == kPieces || j == kPieces) continue;
+      const std::uint32_t corner = first + i * (kPieces + 1) + j;
+      body.triangles.push_back({corner, corner + 1, corner + kPieces + 1});
+      body.triangles.push_back({corner + 1, corner + kPieces + 2, corner + kPieces + 1});
+    }
+  }
+  return body;
+}
+
+/// A camera straight above.
+Eigen::Isometry3d above(const Eigen::Vector3d& center_ct) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() << -1, 0, 0, 0, 0, 1, 0, 1, 0;
+  pose.translation() = center_ct;
+  return pose;
+}
+
+// From where the camera was, what it sees now is mostly table, which no pose of the body explains.
+TEST_F(ResumeTest, FindsTheBodyAtThePicturesEdgeWhereItsMiddleShowsTheTable) {
+  const TriangleMesh scene = in_table(body_->mesh);
+  const auto seen_from = [&](const Eigen::Isometry3d& ct_from_depth) {
+    RgbdFrame frame = *camera_->frame_at(0);
+    const auto raster =
+        rasterize_depth(scene, camera_->calibration().depth, ct_from_depth.inverse());
+    for (std::size_t i = 0; i < frame.depth_mm.size(); ++i) {
+      frame.depth_mm.data()[i] = static_cast<std::uint16_t>(std::lround(raster.depth_mm.data()[i]));
+    }
+    return frame;
+  };
+  const Eigen::Vector3d center = body_->mesh.bounds().center().cast<double>();
+  const Eigen::Isometry3d before = above(center + Eigen::Vector3d(210.0, -890.0, 160.0));
+  const Eigen::Isometry3d now = above(center + Eigen::Vector3d(270.0, -890.0, 85.0));
+  ASSERT_TRUE(tracker_->start_at(std::make_shared<const RgbdFrame>(seen_from(before)), before));
+  for (int i = 0; i < 60; ++i) cover(0, 0);
+  const auto tracked = process(seen_from(now));
+  ASSERT_EQ(tracked.state, TrackingState::kTracking);
+  EXPECT_LT(displacement_mm(*tracked.ct_from_depth, now, now.inverse() * center), kRightMm);
 }
 
 TEST_F(ResumeTest, ABodyThatIsNotThereIsNeverFound) {

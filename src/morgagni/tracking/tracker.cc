@@ -253,12 +253,23 @@ Judgement Tracker::judged(const FrameEvidence& evidence) const {
   return {};
 }
 
+/// A surface that was not grown from the body may be mostly the table, which no pose explains: once
+/// more with what is seen where this pose puts the body.
+Result<Tracker::Attempt> Tracker::attempt_there(const RgbdFrame& frame,
+                                                const Eigen::Isometry3d& ct_from_depth) {
+  MOR_TRY(const auto scene, segment(frame, ct_from_depth));
+  return attempt(scene, ct_from_depth, StartQuality::kTracked);
+}
+
 /// The first of several poses around the last one that would do as a start. Bad where there is
 /// none: after a loss nothing less is believed; the best of them tells why.
 Result<Tracker::Attempt> Tracker::attempt_around(const Scene& scene, const LastSeen& last) {
   std::optional<Attempt> best;
   for (const auto& start : resume_starts(last, scene.surface.cloud, round_++)) {
     MOR_TRY(auto made, attempt(scene, start, StartQuality::kRough));
+    if (made.judgement.doubts == std::vector{Doubt::kUnexplained}) {
+      MOR_TRY(made, attempt_there(scene.frame, made.result.fixed_from_moving));
+    }
     if (is_a_start(made)) return made;
     if (!best || support(made.skin) > support(best->skin)) best = std::move(made);
   }

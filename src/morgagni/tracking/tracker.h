@@ -147,6 +147,8 @@ class Tracker {
                                         const Eigen::Isometry3d& start,
                                         StartQuality quality,
                                         const std::optional<ExpectedPose>& expected = {});
+  [[nodiscard]] Result<Attempt> attempt_there(const RgbdFrame& frame,
+                                              const Eigen::Isometry3d& ct_from_depth);
   [[nodiscard]] Result<Attempt> attempt_around(const Scene& scene, const LastSeen& last);
   [[nodiscard]] Result<Attempt> attempt_frame(const Scene& scene);
   [[nodiscard]] Judgement judged(const FrameEvidence& evidence) const;
