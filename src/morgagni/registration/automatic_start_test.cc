@@ -298,6 +298,20 @@ TEST_F(AutomaticStartOfTestBody, IsNotBelievedWhereThePictureBeforeContradicts) 
   EXPECT_EQ(look(with_body, 4).status, AutomaticStartStatus::kFound);
 }
 
+TEST_F(AutomaticStartOfTestBody, RefusesTheMirroredBodyInSeveralPicturesAsInOne) {
+  TriangleMesh mirrored = body_->mesh;
+  const auto twice_center = 2.0F * body_->mesh.bounds().center().x();
+  for (auto& vertex : mirrored.vertices) vertex.x() = twice_center - vertex.x();
+  const TriangleMesh scene = with_things(on_table(mirrored), center().cast<float>());
+  const auto start = starter();
+  StartMemory memory;
+  for (int picture = 0; picture < 3; ++picture) {
+    const auto result = start.find_next(picture_of(scene, held(center(), picture)).view(), memory);
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_NE(result->status, AutomaticStartStatus::kFound) << "picture " << picture;
+  }
+}
+
 TEST_F(AutomaticStartOfTestBody, IsTheSameForAnyNumberOfThreads) {
   const auto truth = looking_at(center(), 0.7, 0.6, 1.0, 800.0);
   const Picture picture = picture_of(on_table(body_->mesh), truth);

@@ -196,6 +196,18 @@ TEST(StartDecision, IsAmbiguousBesideAnotherPoseOrTheMirrorImage) {
   EXPECT_EQ(status_of(look, 0.1, 0.9), AutomaticStartStatus::kFound);
 }
 
+TEST(StartDecision, AsksMoreOfEachFurtherPicture) {
+  const SkinAgreement look = good_look();
+  const double first = margin(look, 0.2, 1);
+  EXPECT_LT(margin(look, 0.2, 2), first);
+  EXPECT_LT(margin(look, 0.2, 5), margin(look, 0.2, 4));
+  EXPECT_EQ(margin(look, 0.2, 1000), margin(look, 0.2, 5));
+  SkinAgreement weak = good_look();
+  weak.uneven_mm = 0.9;
+  EXPECT_EQ(decide_start({.look = weak, .num_tries = 1}).status, AutomaticStartStatus::kFound);
+  EXPECT_EQ(decide_start({.look = weak, .num_tries = 5}).status, AutomaticStartStatus::kNotFound);
+}
+
 /// The planes as a camera sees them that has moved.
 std::vector<StartPlane> seen_after(const Eigen::Isometry3d& earlier_from_later,
                                    std::vector<StartPlane> planes) {
@@ -261,7 +273,7 @@ TEST(SkinAgreement, OfSeveralPicturesAddsUpButForTheHold) {
   const SkinAgreement both = pooled({first, second});
   EXPECT_EQ(both.num_agree, first.num_agree + second.num_agree);
   EXPECT_EQ(both.num_floating, first.num_floating + second.num_floating);
-  EXPECT_EQ(both.num_patches, 200.0);
+  EXPECT_EQ(both.num_patches, 150.0);  // The same skin seen twice is no more skin.
   EXPECT_NEAR(both.uneven_mm, std::sqrt(0.25 * 0.16 + 0.75 * 0.64), 1e-9);
   EXPECT_EQ(both.area_share, first.area_share);
   EXPECT_EQ(pooled({}).num_seen, 0.0);
@@ -280,6 +292,38 @@ TEST(StartMirror, TurnsAPoseIntoOneOfTheMirroredPicture) {
   const Eigen::Vector3d mirrored_in_ct(2.0 * middle.x() - in_ct.x(), in_ct.y(), in_ct.z());
   EXPECT_LT((other * mirrored_seen - mirrored_in_ct).norm(), 1e-9);
   EXPECT_LT((mirrored(other, middle).matrix() - pose.matrix()).norm(), 1e-9);
+}
+
+TEST(StartMirror, MovesWithTheMirroredCamera) {
+  const StartPicture picture = picture_of({kTable});
+  Eigen::Isometry3d motion = Eigen::Translation3d(12.0, -5.0, 20.0) *
+                             Eigen::Isometry3d(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY()));
+  const SeenViews views({{picture, {kTable}, {}, motion}, {picture, {kTable}, {}, {}}});
+  const SeenViews others = mirrored(views);
+  ASSERT_EQ(others.all().size(), 2U);
+  const Eigen::Vector3d moved = motion * Eigen::Vector3d(30.0, -50.0, 700.0);
+  const Eigen::Vector3d there =
+      others.all()[0].newest_from_this * Eigen::Vector3d(-30.0, -50.0, 700.0);
+  EXPECT_LT((there - Eigen::Vector3d(-moved.x(), moved.y(), moved.z())).norm(), 1e-9);
+}
+
+TEST(StartFinding, KnowsThePlaneItWasFoundOnWhereverTheCameraHasMoved) {
+  auto scene = std::make_shared<StartScene>();
+  scene->plane = kTable;
+  StartFinding finding;
+  finding.scene = scene;
+  finding.on_plane = Eigen::Translation3d(10.0, -600.0, 250.0) *
+                     Eigen::AngleAxisd(1.2, Eigen::Vector3d(1.0, 0.4, -0.2).normalized());
+  finding.up_ct = finding.on_plane.linear() * kTable.normal.cast<double>();
+  finding.foot_ct_mm =
+      static_cast<double>(kTable.offset_mm) + finding.up_ct.dot(finding.on_plane.translation());
+  const Eigen::Isometry3d last_from_newest =
+      Eigen::Translation3d(12.0, -5.0, 20.0) *
+      Eigen::Isometry3d(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY()));
+  finding.on_plane = finding.on_plane * last_from_newest;
+  const StartPlane plane = plane_of(finding);
+  const Eigen::Vector3f seen(40.0F, 30.0F, 800.0F);
+  EXPECT_NEAR(plane.height_mm(seen), kTable.height_mm(last_from_newest.cast<float>() * seen), 1e-2);
 }
 
 TEST(StartMirror, SeesAPixelsPointOnTheOtherSide) {

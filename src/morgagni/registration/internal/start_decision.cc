@@ -21,8 +21,10 @@ constexpr double kMostUnevenMm = 1.15;
 constexpr double kMostlyAgrees = 0.85;  ///< Of what nothing hides,
 constexpr double kHardlyAgrees = 0.35;  ///< or from here down.
 constexpr double kRunnerUpDoubt = 0.4;  ///< What a runner-up of equal evidence weighs.
+constexpr double kTryDoubt = 0.05;      ///< Each picture after the first,
+constexpr std::size_t kMostTries = 5;   ///< up to so many: then all the earlier ones are forgotten.
 constexpr double kMostDoubt = 0.75;     ///< All together.
-/// The mirror image must not fit better: then the CT may be mirrored, or the body is turned.
+/// The mirror image must not fit as well: then the CT may be mirrored.
 constexpr double kMostMirrored = 1.0;
 
 struct Doubts {
@@ -106,13 +108,16 @@ double believed_evidence(const SkinAgreement& look) {
   return believed > 0.0 ? believed * evidence(look) : std::min(0.0, evidence(look));
 }
 
-double margin(const SkinAgreement& look, double runner_up_share) {
-  return trust(look) - kRunnerUpDoubt * runner_up_share - (1.0 - kMostDoubt);
+double margin(const SkinAgreement& look, double runner_up_share, std::size_t num_tries) {
+  const auto more_tries =
+      static_cast<double>(std::clamp<std::size_t>(num_tries, 1, kMostTries) - 1);
+  return trust(look) - kRunnerUpDoubt * runner_up_share - kTryDoubt * more_tries -
+         (1.0 - kMostDoubt);
 }
 
 StartVerdict decide_start(const StartCase& best) {
-  if (margin(best.look, 0.0) < 0.0) return refused(best.look);
-  if (margin(best.look, best.runner_up_share) < 0.0) {
+  if (margin(best.look, 0.0, best.num_tries) < 0.0) return refused(best.look);
+  if (margin(best.look, best.runner_up_share, best.num_tries) < 0.0) {
     return {AutomaticStartStatus::kAmbiguous,
             fmt::format("another pose explains the picture {:.0f} % as well: show more of the body",
                         100.0 * best.runner_up_share)};

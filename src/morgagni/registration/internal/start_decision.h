@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "morgagni/registration/automatic_start.h"
@@ -25,11 +26,15 @@ namespace mor::internal {
 struct StartCase {
   SkinAgreement look;
   double runner_up_share = 0.0;  ///< Of its believed evidence, what the best pose elsewhere has.
-  double mirrored_share = 0.0;   ///< Likewise, what the CT's mirror image has there.
+  double mirrored_share = 0.0;   ///< Likewise, what the CT's mirror image has.
+  std::size_t num_tries = 1;     ///< Pictures so far in which a pose might have been believed.
 };
 
-/// By how much it passes; negative: it does not.
-[[nodiscard]] double margin(const SkinAgreement& look, double runner_up_share);
+/// By how much it passes; negative: it does not. Each further try is a further chance to be wrong,
+/// so that later ones must be better.
+[[nodiscard]] double margin(const SkinAgreement& look,
+                            double runner_up_share,
+                            std::size_t num_tries);
 
 struct StartVerdict {
   AutomaticStartStatus status = AutomaticStartStatus::kNotFound;

@@ -19,7 +19,6 @@
 namespace mor::internal {
 namespace {
 
-constexpr SearchEffort kFirstEffort{.max_searched = 100, .max_refined = 20, .max_verified = 6};
 /// Where the first finds nothing to be believed, as where clutter hides most of the body.
 constexpr SearchEffort kSecondEffort{.max_searched = 400, .max_refined = 60, .max_verified = 16};
 constexpr StartVolumeOptions kCoarseVolume{.nodes_along_body = 48.0F, .reach_nodes = 2.5F};
@@ -237,6 +236,8 @@ Result<std::vector<StartFinding>> StartFinder::find_on(
   for (auto& finding : findings) {
     finding.scene = scene;
     finding.up_ct = finding.on_plane.linear() * scene->plane.normal.cast<double>();
+    finding.foot_ct_mm = static_cast<double>(scene->plane.offset_mm) +
+                         finding.up_ct.dot(finding.on_plane.translation());
   }
   verify(picture, planes, findings, stop);
   if (settles(findings)) return findings;
@@ -294,11 +295,11 @@ Result<StartFinder::Findings> StartFinder::find_all(const StartRecall& recall,
   const auto search = [&](const std::vector<StartPlane>& planes,
                           const SearchEffort& effort) -> Result<bool> {
     MOR_CHECK(find_on_each(picture, seen, planes, effort, findings.here, stop));
-    if (!recall.views.are_several()) return passes(findings.here);
+    if (!recall.views.are_several()) return passes(findings.here, recall.num_searched);
     auto all = recall.findings;
     all.insert(all.end(), findings.here.begin(), findings.here.end());
     findings.together = judge_together(recall.views, std::move(all));
-    return passes(findings.together);
+    return passes(findings.together, recall.num_searched);
   };
   MOR_TRY(bool is_found, search(seen, kFirstEffort));
   if (is_found) return findings;
@@ -328,7 +329,7 @@ Result<AutomaticStartResult> StartFinder::find(ImageView<const std::uint16_t> de
   StartRecall alone;
   take_in(depth_mm, alone);
   MOR_TRY(const auto findings, find_all(alone, true, stop));
-  return decide(alone.views, findings.here);
+  return decide(alone, findings.here, stop);
 }
 
 Result<AutomaticStartResult> StartFinder::find_next(ImageView<const std::uint16_t> depth_mm,
@@ -336,12 +337,14 @@ Result<AutomaticStartResult> StartFinder::find_next(ImageView<const std::uint16_
                                                     const std::stop_token& stop) const {
   take_in(depth_mm, recall);
   auto findings = find_all(recall, recall.num_searched % 2 == 0, stop);
-  if (!findings) {
+  auto result =
+      findings ? decide(recall, findings->judged(), stop) : tl::unexpected<Error>(findings.error());
+  if (!result) {
     recall = {};  // Poses and pictures must belong together.
-    return tl::unexpected<Error>(findings.error());
+    return result;
   }
-  auto result = decide(recall.views, findings->judged());
-  if (result.status != AutomaticStartStatus::kFound && passes(findings->here)) {
+  if (!passes(findings->judged(), recall.num_searched) &&
+      passes(findings->here, recall.num_searched)) {
     // What came before does not bear out what this picture alone would settle: begin anew here.
     if (recall.views.are_several()) recall.views.forget_earlier();
     recall.findings = std::move(findings->here);

@@ -34,6 +34,9 @@ struct SearchEffort {
   std::size_t max_verified = 0;  ///< Of those, looked at pixel by pixel.
 };
 
+inline constexpr SearchEffort kFirstEffort{
+    .max_searched = 100, .max_refined = 20, .max_verified = 6};
+
 /// The automatic start's steps, one after the other, on the caller's TBB arena.
 class StartFinder {
  public:
@@ -76,8 +79,9 @@ class StartFinder {
   [[nodiscard]] Result<Findings> find_all(const StartRecall& recall,
                                           bool searches_wide,
                                           const std::stop_token& stop) const;
-  [[nodiscard]] AutomaticStartResult decide(const SeenViews& views,
-                                            const std::vector<StartFinding>& findings) const;
+  [[nodiscard]] Result<AutomaticStartResult> decide(const StartRecall& recall,
+                                                    const std::vector<StartFinding>& findings,
+                                                    const std::stop_token& stop) const;
   /// What the pictures say of the best of these poses together, best first.
   [[nodiscard]] std::vector<StartFinding> judge_together(const SeenViews& views,
                                                          std::vector<StartFinding> findings) const;
@@ -88,7 +92,9 @@ class StartFinder {
                                         const Eigen::Isometry3d& ct_from_depth) const;
   [[nodiscard]] SkinAgreement look_at(const SeenViews& views,
                                       const Eigen::Isometry3d& ct_from_depth) const;
-  [[nodiscard]] double mirrored_share(const SeenViews& views, const StartFinding& finding) const;
+  [[nodiscard]] Result<double> mirrored_share(const SeenViews& views,
+                                              const StartFinding& finding,
+                                              const std::stop_token& stop) const;
 
   [[nodiscard]] Result<std::vector<StartFinding>> find_on(
       const StartPicture& picture,

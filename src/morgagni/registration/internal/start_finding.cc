@@ -26,12 +26,23 @@ double distance_mm(const Eigen::Isometry3d& a,
   return most_mm;
 }
 
-bool passes_by(const std::vector<StartFinding>& findings, double least_margin) {
+bool passes_by(const std::vector<StartFinding>& findings,
+               std::size_t num_tries,
+               double least_margin) {
   return !findings.empty() &&
-         margin(findings[0].agreement, runner_up_share(findings)) >= least_margin;
+         margin(findings[0].agreement, runner_up_share(findings), num_tries) >= least_margin;
 }
 
 }  // namespace
+
+StartPlane plane_of(const StartFinding& finding) {
+  StartPlane plane;
+  plane.normal = (finding.on_plane.linear().transpose() * finding.up_ct).cast<float>();
+  plane.offset_mm =
+      static_cast<float>(finding.foot_ct_mm - finding.up_ct.dot(finding.on_plane.translation()));
+  plane.is_supposed = finding.scene->plane.is_supposed;
+  return plane;
+}
 
 void keep_best(std::vector<StartFinding>& findings,
                std::size_t count,
@@ -60,12 +71,12 @@ double runner_up_share(const std::vector<StartFinding>& findings) {
   return std::max(0.0, findings[1].score / findings[0].score);
 }
 
-bool passes(const std::vector<StartFinding>& findings) {
-  return passes_by(findings, 0.0);
+bool passes(const std::vector<StartFinding>& findings, std::size_t num_tries) {
+  return passes_by(findings, num_tries, 0.0);
 }
 
 bool settles(const std::vector<StartFinding>& findings) {
-  return passes_by(findings, kSettledMargin);
+  return passes_by(findings, 1, kSettledMargin);
 }
 
 }  // namespace mor::internal

@@ -95,32 +95,29 @@ std::vector<StartFinding> StartFinder::judge_together(const SeenViews& views,
   return findings;
 }
 
-/// The believed evidence for the CT's mirror image near the finding, of what the same picture has
-/// for the finding itself.
-double StartFinder::mirrored_share(const SeenViews& views, const StartFinding& finding) const {
-  const SeenView& view = views.newest();
-  const StartPicture other_picture = mirrored(view.picture);
-  const auto other_planes = mirrored(view.planes);
-  const PointCloud other_points =
-      mirrored(view.standing.empty() ? finding.scene->full : view.standing);
-  const Eigen::Isometry3d start = mirrored(finding.ct_from_depth, bounds_.center());
-  double best = 0.0;
-  for (const auto quality : {StartQuality::kRough, StartQuality::kTracked}) {
-    const auto fine = fine_.align(other_points, start, quality);
-    if (!fine) continue;
-    best = std::max(best,
-                    believed_evidence(verifier_.look(
-                        other_picture, other_planes, fine->fixed_from_moving, kLookToleranceMm)));
+/// The believed evidence for the CT's mirror image, of what the same pictures have for the finding
+/// itself. It gets the same chance: the same search on the finding's plane, the same judgement.
+Result<double> StartFinder::mirrored_share(const SeenViews& views,
+                                           const StartFinding& finding,
+                                           const std::stop_token& stop) const {
+  if (!(finding.score > 0.0)) return 1.0;
+  const SeenViews others = mirrored(views);
+  const auto& newest = others.newest();
+  std::vector<StartFinding> found;
+  MOR_CHECK(find_on_each(
+      newest.picture, newest.planes, mirrored({plane_of(finding)}), kFirstEffort, found, stop));
+  if (views.are_several()) {
+    found.push_back(finding);
+    found.back().ct_from_depth = mirrored(finding.ct_from_depth, bounds_.center());
+    found.back().up_ct.x() = -finding.up_ct.x();
+    found = judge_together(others, std::move(found));
   }
-  const double upright =
-      views.are_several() ? believed_evidence(verifier_.look(
-                                view.picture, view.planes, finding.ct_from_depth, kLookToleranceMm))
-                          : finding.score;
-  return upright > 0.0 ? best / upright : 1.0;
+  return found.empty() ? 0.0 : std::max(0.0, found[0].score / finding.score);
 }
 
-AutomaticStartResult StartFinder::decide(const SeenViews& views,
-                                         const std::vector<StartFinding>& findings) const {
+Result<AutomaticStartResult> StartFinder::decide(const StartRecall& recall,
+                                                 const std::vector<StartFinding>& findings,
+                                                 const std::stop_token& stop) const {
   AutomaticStartResult result;
   if (findings.empty()) {
     result.reason = "nothing that could be a body stands on a plane of the picture";
@@ -131,9 +128,11 @@ AutomaticStartResult StartFinder::decide(const SeenViews& views,
   result.ct_from_depth = best.ct_from_depth;
   result.score = num_open > 0.0 ? best.agreement.num_agree / num_open : 0.0;
   result.runner_up_score = result.score * runner_up_share(findings);
-  StartCase start{best.agreement, runner_up_share(findings)};
-  if (margin(start.look, start.runner_up_share) >= 0.0) {
-    start.mirrored_share = mirrored_share(views, best);
+  StartCase start{.look = best.agreement,
+                  .runner_up_share = runner_up_share(findings),
+                  .num_tries = recall.num_searched};
+  if (passes(findings, recall.num_searched)) {
+    MOR_TRY(start.mirrored_share, mirrored_share(recall.views, best, stop));
   }
   StartVerdict verdict = decide_start(start);
   result.status = verdict.status;

@@ -38,4 +38,15 @@ Eigen::Isometry3d mirrored(const Eigen::Isometry3d& ct_from_depth,
   return other;
 }
 
+SeenViews mirrored(const SeenViews& views) {
+  std::vector<SeenView> others;
+  for (const auto& view : views.all()) {
+    others.push_back({mirrored(view.picture),
+                      mirrored(view.planes),
+                      mirrored(view.standing),
+                      mirrored(view.newest_from_this, Eigen::Vector3d::Zero())});
+  }
+  return SeenViews(std::move(others));
+}
+
 }  // namespace mor::internal

@@ -9,6 +9,7 @@
 #include "morgagni/geometry/point_cloud.h"
 #include "morgagni/registration/internal/start_picture.h"
 #include "morgagni/registration/internal/start_planes.h"
+#include "morgagni/registration/internal/start_views.h"
 
 namespace mor::internal {
 
@@ -17,6 +18,7 @@ namespace mor::internal {
 [[nodiscard]] StartPicture mirrored(const StartPicture& picture);
 [[nodiscard]] std::vector<StartPlane> mirrored(std::vector<StartPlane> planes);
 [[nodiscard]] PointCloud mirrored(PointCloud cloud);
+[[nodiscard]] SeenViews mirrored(const SeenViews& views);
 
 /// The pose in the mirrored picture at which the CT's mirror image would be, if its left and right
 /// sides are alike about `middle_ct`.

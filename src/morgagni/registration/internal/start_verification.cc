@@ -107,20 +107,22 @@ class HoldingSkin {
 
 SkinAgreement pooled(const std::vector<SkinAgreement>& looks) {
   SkinAgreement all;
+  double num_patches = 0.0;
   double sum_uneven_mm2 = 0.0;
   for (const auto& look : looks) {
     all.num_seen += look.num_seen;
     all.num_agree += look.num_agree;
     all.num_floating += look.num_floating;
     all.num_hidden += look.num_hidden;
-    all.num_patches += look.num_patches;
+    num_patches += look.num_patches;
     sum_uneven_mm2 += look.num_patches * look.uneven_mm * look.uneven_mm;
+    all.num_patches = std::max(all.num_patches, look.num_patches);
     if (look.area_share * look.firmness > all.area_share * all.firmness) {
       all.area_share = look.area_share;
       all.firmness = look.firmness;
     }
   }
-  if (all.num_patches > 0.0) all.uneven_mm = std::sqrt(sum_uneven_mm2 / all.num_patches);
+  if (num_patches > 0.0) all.uneven_mm = std::sqrt(sum_uneven_mm2 / num_patches);
   return all;
 }
 

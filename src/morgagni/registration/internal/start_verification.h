@@ -28,8 +28,9 @@ struct SkinAgreement {
   double uneven_mm = 0.0;
 };
 
-/// What several pictures say of one pose: counts add up; of how firmly the skin holds it, what the
-/// best of them says.
+/// What several pictures say of one pose: counts of pixels add up; of how much skin speaks for it
+/// and how firmly it holds it, what the best of them says, as the same skin seen again is no more
+/// skin.
 [[nodiscard]] SkinAgreement pooled(const std::vector<SkinAgreement>& looks);
 
 /// Holds poses against the picture from the CT's side: is the skin where the camera should see it?

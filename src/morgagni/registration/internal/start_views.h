@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -27,6 +28,9 @@ struct SeenView {
 class SeenViews {
  public:
   static constexpr std::size_t kMostViews = 5;
+
+  SeenViews() = default;
+  explicit SeenViews(std::vector<SeenView> views) : views_(std::move(views)) {}
 
   /// Adds the newest picture. Those before are forgotten where the motion since is not clear.
   /// @param body_extent_mm  The body's largest side: sets how dense its points are.
