@@ -66,9 +66,11 @@ class Gatherer {
         continue;
       }
       // Of what tracking sees: corrected, where the camera has a correction already.
+      levels_.learn(tracked.frame->depth_mm.view());
       gatherer_.add(read_skin(body_.skin->mesh,
                               tracked.frame->calibration->depth,
                               tracked.frame->depth_mm.view(),
+                              levels_,
                               *tracked.ct_from_depth),
                     frame->captured_at);
       progress("views in motion",
@@ -90,6 +92,7 @@ class Gatherer {
   RangeCamera& camera_;
   AutomaticStart start_;
   Tracker tracker_;
+  DepthLevels levels_;
   ViewGatherer gatherer_;
 };
 

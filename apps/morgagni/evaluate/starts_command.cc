@@ -16,6 +16,7 @@
 #include "morgagni/core/progress.h"
 #include "morgagni/evaluation/ground_truth.h"
 #include "morgagni/evaluation/start_evaluation.h"
+#include "morgagni/geometry/depth_levels.h"
 
 #include "evaluate/commands.h"
 #include "exit.h"
@@ -89,9 +90,10 @@ StartReport evaluate_recorded(const Arguments& arguments, const Case& body) {
   for (std::size_t i = 0; i < recording.size() && known.size() < arguments.num_views; ++i) {
     if (truth_at(truth.poses, recording.timestamp_s(i))) known.push_back(i);
   }
+  DepthLevels levels;
   const auto views = [&](std::size_t i, std::size_t /*frame*/) -> Result<StartView> {
     MOR_TRY(auto frame, recording.read(known[i]));
-    return StartView{depth_corrected(std::move(frame)),
+    return StartView{depth_corrected(std::move(frame), levels),
                      *truth_at(truth.poses, recording.timestamp_s(known[i]))};
   };
   return value_or_exit(

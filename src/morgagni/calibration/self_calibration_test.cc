@@ -82,7 +82,7 @@ std::vector<SensedSkin> views_of(const TriangleMesh& body, double share) {
     const Eigen::Isometry3d tracked =
         truth * Eigen::Translation3d(uniform(), uniform(), uniform()) *
         Eigen::AngleAxisd(0.2 * kDegree * uniform(), Eigen::Vector3d::UnitZ());
-    views.push_back(read_skin(body, kCamera, depth_mm.view(), tracked));
+    views.push_back(read_skin(body, kCamera, depth_mm.view(), DepthLevels(), tracked));
   }
   return views;
 }

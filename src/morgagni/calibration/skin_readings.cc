@@ -91,6 +91,7 @@ bool is_one_patch(const Image<float>& expected, int left, int top) {
 }
 
 SkinReading read_block(ImageView<const std::uint16_t> depth_mm,
+                       const DepthLevels& levels,
                        const Image<float>& expected,
                        int left,
                        int top) {
@@ -100,7 +101,7 @@ SkinReading read_block(ImageView<const std::uint16_t> depth_mm,
   float count = 0.0F;
   for (int y = 0; y < kBlockPx; ++y) {
     for (int x = 0; x < kBlockPx; ++x) {
-      const auto z_mm = static_cast<float>(depth_mm(left + x, top + y));
+      const float z_mm = levels.mm(depth_mm(left + x, top + y));
       if (z_mm <= 0.0F || std::abs(z_mm - expected(left + x, top + y)) > kOnSkinMm) continue;
       reading.used |= static_cast<std::uint16_t>(1U << (y * kBlockPx + x));
       reading.z_mm += z_mm;
@@ -118,6 +119,7 @@ SkinReading read_block(ImageView<const std::uint16_t> depth_mm,
 SensedSkin read_skin(const TriangleMesh& skin,
                      const PinholeCamera& camera,
                      ImageView<const std::uint16_t> depth_mm,
+                     const DepthLevels& levels,
                      const Eigen::Isometry3d& ct_from_depth) {
   SensedSkin view;
   view.ct_from_depth = ct_from_depth;
@@ -125,7 +127,7 @@ SensedSkin read_skin(const TriangleMesh& skin,
   for (int top = 0; top + kBlockPx <= expected.height(); top += kBlockPx) {
     for (int left = 0; left + kBlockPx <= expected.width(); left += kBlockPx) {
       if (!is_one_patch(expected, left, top)) continue;
-      const auto reading = read_block(depth_mm, expected, left, top);
+      const auto reading = read_block(depth_mm, levels, expected, left, top);
       if (std::popcount(reading.used) >= kLeastReadings) view.readings.push_back(reading);
     }
   }

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "morgagni/core/image.h"
+#include "morgagni/geometry/depth_levels.h"
 #include "morgagni/geometry/pinhole_camera.h"
 #include "morgagni/geometry/triangle_mesh.h"
 
@@ -47,10 +48,12 @@ struct ExpectedReading {
 /// Reads the skin in a depth picture: the means of blocks of readings near the skin as a picture
 /// drawn at the pose shows it. Blocks at edges or partly covered are left out.
 /// @param depth_mm  As the sensor gave it, of the camera's size; 0 = no reading.
+/// @param levels  What its values stand for: of this camera, learned from its pictures.
 /// @param ct_from_depth  The pose, right to some millimetres.
 [[nodiscard]] SensedSkin read_skin(const TriangleMesh& skin,
                                    const PinholeCamera& camera,
                                    ImageView<const std::uint16_t> depth_mm,
+                                   const DepthLevels& levels,
                                    const Eigen::Isometry3d& ct_from_depth);
 
 /// The same block in `expected`, which expected_depth() drew for `camera`.

@@ -10,6 +10,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/camera/range_camera.h"
+#include "morgagni/geometry/depth_levels.h"
 
 namespace mor {
 namespace {
@@ -147,6 +148,11 @@ double DepthCorrection::add_mm(const Eigen::Vector2d& pixel,
 }
 
 Image<std::uint16_t> DepthCorrection::apply(ImageView<const std::uint16_t> depth_mm) const {
+  return apply(depth_mm, DepthLevels());
+}
+
+Image<std::uint16_t> DepthCorrection::apply(ImageView<const std::uint16_t> depth_mm,
+                                            const DepthLevels& levels) const {
   const int width = depth_mm.width();
   const int height = depth_mm.height();
   Image<std::uint16_t> corrected(width, height);
@@ -166,7 +172,7 @@ Image<std::uint16_t> DepthCorrection::apply(ImageView<const std::uint16_t> depth
     auto pattern = static_cast<std::uint32_t>(y) * kPatternStepY;
     for (int x = 0; x < width; ++x, pattern += kPatternStepX) {
       if (from[x] == 0) continue;
-      const double z_mm = from[x];
+      const auto z_mm = static_cast<double>(levels.mm(from[x]));
       const Place& place = places[static_cast<std::size_t>(x)];
       double sum_mm =
           z_mm + polynomial_mm(between(points[place.first], points[place.second], place.share),
@@ -182,14 +188,16 @@ Image<std::uint16_t> DepthCorrection::apply(ImageView<const std::uint16_t> depth
   return corrected;
 }
 
-std::shared_ptr<const RgbdFrame> depth_corrected(std::shared_ptr<const RgbdFrame> frame) {
+std::shared_ptr<const RgbdFrame> depth_corrected(std::shared_ptr<const RgbdFrame> frame,
+                                                 DepthLevels& levels) {
   if (frame->as_sensed || !frame->calibration || !frame->calibration->depth_correction) {
     return frame;
   }
+  levels.learn(frame->depth_mm.view());
   auto corrected = std::make_shared<RgbdFrame>();
   corrected->frame_id = frame->frame_id;
   corrected->captured_at = frame->captured_at;
-  corrected->depth_mm = frame->calibration->depth_correction->apply(frame->depth_mm.view());
+  corrected->depth_mm = frame->calibration->depth_correction->apply(frame->depth_mm.view(), levels);
   corrected->color = frame->color;
   corrected->calibration = frame->calibration;
   corrected->device_time = frame->device_time;

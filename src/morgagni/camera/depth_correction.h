@@ -13,6 +13,7 @@
 
 namespace mor {
 
+class DepthLevels;
 struct RgbdCalibration;
 struct RgbdFrame;
 
@@ -63,13 +64,18 @@ struct DepthCorrection {
   /// plateaus half a millimetre off. The same picture gives the same one, bit for bit.
   /// @pre check().  @cost About 1 ms at 640x480.
   [[nodiscard]] Image<std::uint16_t> apply(ImageView<const std::uint16_t> depth_mm) const;
+  /// The same for what the values stand for, so that the sensor's rounding does not stay in them.
+  [[nodiscard]] Image<std::uint16_t> apply(ImageView<const std::uint16_t> depth_mm,
+                                           const DepthLevels& levels) const;
 };
 
 /// The frame that tracking and all after it look at: `depth_mm` corrected as its calibration says,
 /// `as_sensed` the frame it was made from. A frame that is corrected already, or has no correction,
 /// comes back itself.
+/// @param levels  Of this camera: learns from what the sensor gave, and its rounding is undone
+/// before the correction, which would hide it.
 [[nodiscard]] std::shared_ptr<const RgbdFrame> depth_corrected(
-    std::shared_ptr<const RgbdFrame> frame);
+    std::shared_ptr<const RgbdFrame> frame, DepthLevels& levels);
 
 /// The frame as the sensor gave it, under another calibration than its driver's. @cost A copy.
 [[nodiscard]] std::shared_ptr<const RgbdFrame> with_calibration(

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/camera/depth_correction.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -10,6 +11,7 @@
 #include "morgagni/camera/calibration_json.h"
 #include "morgagni/camera/range_camera.h"
 #include "morgagni/camera/testing/sample_recording.h"
+#include "morgagni/geometry/depth_levels.h"
 
 namespace mor {
 namespace {
@@ -160,7 +162,8 @@ TEST(DepthCorrection, SaysWhatIsWrongWithItsJson) {
 
 TEST(DepthCorrection, MakesAFrameThatRemembersWhatTheSensorGave) {
   const auto plain = std::make_shared<const RgbdFrame>(internal::sample_frame(3));
-  EXPECT_EQ(depth_corrected(plain), plain);
+  DepthLevels levels;
+  EXPECT_EQ(depth_corrected(plain, levels), plain);
   EXPECT_EQ(&as_sensed(*plain), plain.get());
 
   auto sensed = std::make_shared<RgbdFrame>(*plain);
@@ -169,14 +172,48 @@ TEST(DepthCorrection, MakesAFrameThatRemembersWhatTheSensorGave) {
   correction.control = {{.c0_mm = 5.0}};
   calibration->depth_correction = std::make_shared<const DepthCorrection>(correction);
   sensed->calibration = calibration;
-  const auto corrected = depth_corrected(sensed);
+  const auto corrected = depth_corrected(sensed, levels);
   EXPECT_EQ(corrected->depth_mm, correction.apply(sensed->depth_mm.view()));
   EXPECT_EQ(&as_sensed(*corrected), sensed.get());
   EXPECT_EQ(corrected->color, sensed->color);
   EXPECT_EQ(corrected->device_time, sensed->device_time);
   EXPECT_EQ(corrected->captured_at, sensed->captured_at);
   EXPECT_EQ(corrected->frame_id, sensed->frame_id);
-  EXPECT_EQ(depth_corrected(corrected), corrected) << "never twice";
+  EXPECT_EQ(depth_corrected(corrected, levels), corrected) << "never twice";
+}
+
+// A disparity sensor's steps, each rounded always alike: the correction must not carry that along.
+TEST(DepthCorrection, CorrectsWhatTheSensorMeantBeforeItRounded) {
+  constexpr double kPerStep = 345300.0;
+  Image<double> meant_mm(640, 480);
+  auto sensed = std::make_shared<RgbdFrame>();
+  sensed->depth_mm = Image<std::uint16_t>(640, 480);
+  for (int y = 0; y < 480; ++y) {
+    for (int x = 0; x < 640; ++x) {
+      meant_mm(x, y) = kPerStep / std::round(kPerStep / (700.0 + 0.5 * x));
+      sensed->depth_mm(x, y) = static_cast<std::uint16_t>(std::lround(meant_mm(x, y)));
+    }
+  }
+  auto calibration = std::make_shared<RgbdCalibration>();
+  DepthCorrection correction;
+  correction.control = {{.c0_mm = 5.0, .c1 = 0.01}};
+  calibration->depth_correction = std::make_shared<const DepthCorrection>(correction);
+  sensed->calibration = calibration;
+  DepthLevels levels;
+  const auto corrected = depth_corrected(sensed, levels);
+  ASSERT_TRUE(levels.has_steps());
+  double worst_mm = 0.0;
+  double worst_rounded_mm = 0.0;
+  for (int x = 0; x < 640; ++x) {
+    double mean_mm = 0.0;
+    for (int y = 0; y < 480; ++y) mean_mm += corrected->depth_mm(x, y) / 480.0;
+    const auto should_be = [](double mm) { return 1.01 * mm + 5.0; };
+    worst_mm = std::max(worst_mm, std::abs(mean_mm - should_be(meant_mm(x, 0))));
+    worst_rounded_mm = std::max(
+        worst_rounded_mm, std::abs(should_be(sensed->depth_mm(x, 0)) - should_be(meant_mm(x, 0))));
+  }
+  EXPECT_GT(worst_rounded_mm, 0.45) << "else this shows nothing";
+  EXPECT_LT(worst_mm, 0.05);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "morgagni/camera/recording.h"
 #include "morgagni/camera/tum_recorder.h"
 #include "morgagni/core/files.h"
+#include "morgagni/geometry/depth_levels.h"
 
 namespace mor {
 namespace {
@@ -174,7 +175,8 @@ TEST_F(Tum, KeepsTheDepthCorrectionAndWhatTheSensorGave) {
   calibration.depth_correction = std::make_shared<const DepthCorrection>(correction);
   sensed->calibration = std::make_shared<const RgbdCalibration>(calibration);
   auto recorder = TumRecorder::create(folder_).value();
-  ASSERT_TRUE(recorder.add(*depth_corrected(sensed), 1.0, std::nullopt));
+  DepthLevels levels;
+  ASSERT_TRUE(recorder.add(*depth_corrected(sensed, levels), 1.0, std::nullopt));
   EXPECT_THAT(recorder.add(frame(1), 2.0, std::nullopt).error().message,
               HasSubstr("calibration changed"));
   ASSERT_TRUE(recorder.finish());

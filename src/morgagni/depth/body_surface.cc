@@ -10,8 +10,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/depth/internal/depth_grid.h"
-#include "morgagni/depth/internal/depth_levels.h"
 #include "morgagni/depth/internal/grid_normals.h"
+#include "morgagni/geometry/depth_levels.h"
 
 namespace mor {
 namespace {
@@ -102,7 +102,7 @@ struct BodySurfaceExtractor::Impl {
   BodySurfaceOptions options;
   std::vector<int> columns, rows;
   std::vector<float> ray_x, ray_y;
-  internal::DepthLevels levels;
+  DepthLevels levels;
   internal::DepthGrid grid;
   internal::RegionGrower grower;
   internal::GridNormals normals;

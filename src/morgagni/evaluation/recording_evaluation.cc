@@ -16,6 +16,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/core/statistics.h"
+#include "morgagni/geometry/depth_levels.h"
 #include "morgagni/geometry/rigid.h"
 #include "morgagni/registration/visible_place.h"
 
@@ -252,11 +253,12 @@ Result<EvaluationReport> evaluate_recording(const TumRecording& recording,
   MOR_TRY(auto extractor,
           BodySurfaceExtractor::create(recording.calibration()->depth, options.depth));
   Evaluation evaluation(*registration, extractor, fixed->mesh, targets, options);
+  DepthLevels levels;
   int num_without_truth = 0;
   for (std::size_t i = 0; i < recording.size(); ++i) {
     if (const auto pose = truth_at(truth, recording.timestamp_s(i))) {
       MOR_TRY(auto frame, recording.read(i));
-      MOR_CHECK(evaluation.add_frame(*depth_corrected(std::move(frame)), *pose));
+      MOR_CHECK(evaluation.add_frame(*depth_corrected(std::move(frame), levels), *pose));
     } else {
       ++num_without_truth;
     }

@@ -218,6 +218,7 @@ SelfCalibratorStatus SelfCalibrator::status() const {
 void SelfCalibrator::begin_anew() {
   gatherer_.reset();
   gathered_with_.reset();
+  levels_ = {};
   num_estimates_ = 0;
 }
 
@@ -229,10 +230,13 @@ void SelfCalibrator::add(const View& view) {
   gathered_with_ = calibration;
   if (!gatherer_) gatherer_.emplace(calibration->depth);
   const double started_ms = thread_cpu_ms();
-  gatherer_->add(
-      read_skin(
-          body_->skin->mesh, calibration->depth, view.frame->depth_mm.view(), view.ct_from_depth),
-      view.frame->captured_at);
+  levels_.learn(view.frame->depth_mm.view());
+  gatherer_->add(read_skin(body_->skin->mesh,
+                           calibration->depth,
+                           view.frame->depth_mm.view(),
+                           levels_,
+                           view.ct_from_depth),
+                 view.frame->captured_at);
   const double view_ms = thread_cpu_ms() - started_ms;
   const auto coverage = gatherer_->coverage();
   const std::lock_guard lock(mutex_);

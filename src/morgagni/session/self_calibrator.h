@@ -145,8 +145,9 @@ class SelfCalibrator {
   bool wants_anew_ = false;
   std::stop_source estimating_;
 
-  std::optional<ViewGatherer> gatherer_;  ///< Of the thread alone, as the next two.
+  std::optional<ViewGatherer> gatherer_;  ///< Of the thread alone, as the next three.
   std::shared_ptr<const RgbdCalibration> gathered_with_;
+  DepthLevels levels_;     ///< Of the pictures looked at; a correction hides them.
   int num_estimates_ = 0;  ///< Of these views and those that were dropped for them.
   std::jthread thread_;
 };

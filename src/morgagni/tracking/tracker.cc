@@ -121,7 +121,7 @@ void Tracker::start_by_placement(const Eigen::Isometry3d& ct_from_depth) {
 
 Result<void> Tracker::start_at(const std::shared_ptr<const RgbdFrame>& given,
                                const Eigen::Isometry3d& ct_from_depth) {
-  const auto corrected = depth_corrected(given);
+  const auto corrected = depth_corrected(given, levels_);
   const RgbdFrame& frame = *corrected;
   MOR_TRY(const auto scene, segment(frame, ct_from_depth));
   MOR_TRY(const auto found, attempt(scene, ct_from_depth, StartQuality::kRough));
@@ -153,7 +153,7 @@ Result<TrackedFrame> Tracker::process(std::shared_ptr<const RgbdFrame> frame) {
   judgement_ms_ = 0.0;
   const auto depth_started = Clock::now();
   // The one place where the depth is corrected: what the sensor gave goes no further.
-  frame = depth_corrected(std::move(frame));
+  frame = depth_corrected(std::move(frame), levels_);
   MOR_TRY(const auto scene, segment(*frame, expected_pose(*frame)));
   tracked.depth_ms = ms_since(depth_started);
 

@@ -14,6 +14,7 @@
 #include "morgagni/camera/range_camera.h"
 #include "morgagni/core/result.h"
 #include "morgagni/depth/body_surface.h"
+#include "morgagni/geometry/depth_levels.h"
 #include "morgagni/registration/fine_registration.h"
 #include "morgagni/tracking/judgement.h"
 #include "morgagni/tracking/motion.h"
@@ -165,6 +166,7 @@ class Tracker {
   std::shared_ptr<const FixedSurface> fixed_;
   SkinSamples samples_;
   BodySurfaceExtractor extractor_;
+  DepthLevels levels_;  ///< Of the camera, for corrections of its depth.
   std::unique_ptr<FineRegistration> registration_;
   TrackingState state_ = TrackingState::kWaiting;
   std::optional<Eigen::Isometry3d> ct_from_ghost_;

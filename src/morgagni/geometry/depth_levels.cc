@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/depth/internal/depth_levels.h"
+#include "morgagni/geometry/depth_levels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <numeric>
 #include <optional>
 
-namespace mor::internal {
+namespace mor {
 namespace {
 
 /// Pictures without steps after which none are expected any more.
@@ -197,4 +197,4 @@ void DepthLevels::learn(ImageView<const std::uint16_t> depth_mm) {
   }
 }
 
-}  // namespace mor::internal
+}  // namespace mor

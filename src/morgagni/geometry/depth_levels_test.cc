@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morgagni/depth/internal/depth_levels.h"
+#include "morgagni/geometry/depth_levels.h"
 
 #include <cmath>
 #include <filesystem>
@@ -11,7 +11,7 @@
 
 #include "morgagni/core/image_png.h"
 
-namespace mor::internal {
+namespace mor {
 namespace {
 
 using DepthImage = Image<std::uint16_t>;
@@ -138,4 +138,4 @@ TEST(DepthLevels, FindsNoneInAFewValues) {
 }
 
 }  // namespace
-}  // namespace mor::internal
+}  // namespace mor

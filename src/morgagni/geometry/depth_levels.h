@@ -7,7 +7,7 @@
 
 #include "morgagni/core/image.h"
 
-namespace mor::internal {
+namespace mor {
 
 /// The depths that a sensor can tell. One that measures disparity knows steps of it only, so its
 /// depths are 1 / (step i + offset) with whole i (Khoshelham & Elberink, "Accuracy and resolution
@@ -36,4 +36,4 @@ class DepthLevels {
   int num_pictures_ = 0;
 };
 
-}  // namespace mor::internal
+}  // namespace mor
