@@ -19,6 +19,8 @@ export interface FoundError {
   shift_mm: number;
   /** What the views cannot tell, one standard deviation. */
   remaining_mm: number;
+  /** How far the body's skin has changed since its CT, root mean square. */
+  skin_mm: number;
   views: number;
   parts_better: number;
   parts: number;

@@ -44,13 +44,21 @@ function restWords({ found, applied }: SelfCalibration): string {
   }
 }
 
+/** A body that has changed by less is as in its CT. */
+const CHANGED_MM = 0.3;
+
 /** What a yes would do and how sure it is. */
 export function proposalLines(found: FoundError): string[] {
   const all = found.parts_better === found.parts ? 'all ' : '';
-  return [
+  const lines = [
     `Correcting removes this. What this motion cannot show stays: about ${mm(found.remaining_mm)}.`,
     `How sure: ${all}${found.parts_better} of ${found.parts} checks on views that were not used agree.`,
+    'Until it is corrected, the error bound counts it in.',
   ];
+  if (found.skin_mm > CHANGED_MM) {
+    lines.push(`The body’s skin also differs from its CT, by about ${mm(found.skin_mm)}. That stays.`);
+  }
+  return lines;
 }
 
 export function appliedLine(applied: AppliedCorrection, device: string | null): string {

@@ -75,6 +75,10 @@ Result<void> LiveLoop::use_calibration(std::shared_ptr<const RgbdCalibration> ca
   return tracking_->use_calibration(std::move(calibration), sensor_bias_mm);
 }
 
+void LiveLoop::expect_bias(double sensor_bias_mm) {
+  tracking_->expect_bias(sensor_bias_mm);
+}
+
 void LiveLoop::start_automatically() {
   tracking_->start_automatically();
   pictures_.end_landmarks();

@@ -100,6 +100,10 @@ class LiveLoop {
   [[nodiscard]] Result<void> use_calibration(std::shared_ptr<const RgbdCalibration> calibration,
                                              double sensor_bias_mm);
 
+  /// From the next frame on, so much is not known of the depth, for the error bound: 0..50, on top
+  /// of the options'. Takes the place of what use_calibration() was told. Never waits.
+  void expect_bias(double sensor_bias_mm);
+
   /// Searches for the body in the depth picture, from now on and after each loss.
   void start_automatically();
 

@@ -107,10 +107,10 @@ Result<std::unique_ptr<LiveSession>> LiveSession::start(Case body,
   const auto recording = make_session_recorder(*shared_body, options.camera_name);
   loop->observe([recording](const TrackedFrame& tracked) { recording->see(tracked); });
   const RgbdCalibration own_calibration = *loop->calibration();
-  const CalibrationInUse calibration{[loop] { return loop->calibration(); },
-                                     [loop](auto next, double bias_mm) {
-                                       return loop->use_calibration(std::move(next), bias_mm);
-                                     }};
+  const CalibrationInUse calibration{
+      [loop] { return loop->calibration(); },
+      [loop](auto next, double bias_mm) { return loop->use_calibration(std::move(next), bias_mm); },
+      [loop](double bias_mm) { loop->expect_bias(bias_mm); }};
   const auto hindrance = [recording, recorder] {
     const bool goes_on =
         recording->state().is_recording || recorder->status().state != RecorderState::kIdle;

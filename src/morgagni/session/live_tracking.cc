@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/session/live_tracking.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -58,6 +59,8 @@ Result<TrackedFrame> LiveTracking::follow(std::shared_ptr<const RgbdFrame> frame
   // Here alone a frame gets another calibration than its camera's, so none is tracked half under
   // one and half under another.
   if (calibration_) frame = with_calibration(*frame, calibration_);
+  MOR_CHECK(tracker_.expect_bias(std::min(std::hypot(sensor_bias_mm_, told_bias_mm_.load()),
+                                          TrackingOptions::kMostSensorBiasMm)));
   if (auto ended = search_.take()) offer(*ended);
   MOR_TRY(auto tracked, tracker_.process(std::move(frame)));
   if (tracked.needs_start) {
@@ -119,6 +122,7 @@ Result<void> LiveTracking::use_calibration(std::shared_ptr<const RgbdCalibration
   MOR_TRY(auto automatic, AutomaticStart::create(body_->skin, calibration->depth, {}));
   const std::lock_guard lock(tracker_mutex_);
   MOR_CHECK(tracker_.use_camera(std::move(extractor), std::hypot(sensor_bias_mm_, sensor_bias_mm)));
+  told_bias_mm_ = sensor_bias_mm;
   search_.cancel();
   find_ = std::make_shared<const StartSearch::Find>(
       search_on(std::make_shared<const AutomaticStart>(std::move(automatic))));

@@ -61,6 +61,8 @@ class LiveTracking {
   /// As LiveLoop::use_calibration.
   [[nodiscard]] Result<void> use_calibration(std::shared_ptr<const RgbdCalibration> calibration,
                                              double sensor_bias_mm);
+  /// As LiveLoop::expect_bias.
+  void expect_bias(double sensor_bias_mm) { told_bias_mm_ = sensor_bias_mm; }
   /// Under which the frames are tracked.
   [[nodiscard]] std::shared_ptr<const RgbdCalibration> calibration() const;
 
@@ -95,6 +97,7 @@ class LiveTracking {
   const std::shared_ptr<const RgbdCalibration> camera_;
   const BodySurfaceOptions depth_options_;
   const double sensor_bias_mm_;
+  std::atomic<double> told_bias_mm_ = 0.0;  ///< On top of it.
   const bool in_step_;
 
   std::mutex tracker_mutex_;  ///< Guards the tracker and what it is started from.

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/session/self_calibrator.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <ctime>
 #include <utility>
 
@@ -84,6 +86,15 @@ void SelfCalibrator::look(const TrackedFrame& tracked) {
   slot_.put(View{tracked.frame, *tracked.ct_from_depth});
 }
 
+/// What is known to be wrong with the depth and not removed, for the error bound. Under `mutex_`.
+void SelfCalibrator::tell_bias() {
+  const double applied_mm = status_.applied ? status_.applied->remaining_mm : 0.0;
+  const bool is_off = status_.found && status_.found->verdict == SelfCalibrationVerdict::kError;
+  const double found_mm =
+      is_off ? std::hypot(status_.found->shift_mm, status_.found->remaining_mm) : 0.0;
+  in_use_.expect_bias(kBiasPerShift * std::max(applied_mm, found_mm));
+}
+
 void SelfCalibrator::rest_or_begin(SelfCalibratorPhase phase) {
   const std::lock_guard lock(mutex_);
   status_.phase = phase;
@@ -101,6 +112,7 @@ void SelfCalibrator::look_again() {
     const std::lock_guard lock(mutex_);
     status_.found.reset();
     status_.problem.clear();
+    tell_bias();
   }
   rest_or_begin(SelfCalibratorPhase::kGathering);
   slot_.put(std::nullopt);
@@ -291,6 +303,7 @@ void SelfCalibrator::take(const SelfCalibration& found) {
   const std::lock_guard lock(mutex_);
   if (wants_anew_) return;
   status_.found = found;
+  tell_bias();
   status_.phase = is_error  ? SelfCalibratorPhase::kProposed
                   : goes_on ? SelfCalibratorPhase::kGathering
                             : SelfCalibratorPhase::kResting;

@@ -64,6 +64,7 @@ struct CalibrationInUse {
   std::function<std::shared_ptr<const RgbdCalibration>()> get;
   /// @param sensor_bias_mm  As LiveLoop::use_calibration().
   std::function<Result<void>(std::shared_ptr<const RgbdCalibration>, double sensor_bias_mm)> use;
+  std::function<void(double sensor_bias_mm)> expect_bias;  ///< LiveLoop::expect_bias().
 };
 
 /// Finds the depth camera's systematic error while a body is tracked, in a thread of its own at the
@@ -91,7 +92,8 @@ class SelfCalibrator {
   /// anew, to check it. That it could not be kept is said in the status.
   /// @errors kInvalidArgument: nothing is proposed, or something is in the way.
   [[nodiscard]] Result<void> apply();
-  /// No to the proposal. @errors kInvalidArgument: there is none.
+  /// No to the proposal. The sensor is no better for that: the error bound stays as wide as while
+  /// it waited, until look_again(). @errors kInvalidArgument: there is none.
   [[nodiscard]] Result<void> discard();
   /// Back to the calibration before the newest apply(); what that kept is taken back.
   /// @errors kInvalidArgument: nothing was applied, or something is in the way.
@@ -118,6 +120,7 @@ class SelfCalibrator {
   void estimate(std::stop_token stop);
   void take(const SelfCalibration& found);
   void begin_anew();
+  void tell_bias();
   void rest_or_begin(SelfCalibratorPhase phase);
   [[nodiscard]] Result<void> check_hindrance() const;
   [[nodiscard]] KeptCalibration to_keep(const SelfCalibration& found,

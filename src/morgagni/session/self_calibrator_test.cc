@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/session/self_calibrator.h"
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <thread>
@@ -72,7 +73,8 @@ class SelfCalibratorTest : public testing::Test {
                            sensor_bias_mm_ = bias_mm;
                            in_use_ = std::move(calibration);
                            return tracker_->use_camera(extractor(in_use_->depth), bias_mm);
-                         }},
+                         },
+                         [this](double bias_mm) { sensor_bias_mm_ = bias_mm; }},
         device_id,
         store_,
         [this] { return hindrance_; },
@@ -93,6 +95,7 @@ class SelfCalibratorTest : public testing::Test {
     const auto id = next_++;
     std::shared_ptr<const RgbdFrame> frame = camera_->frame_at(id);
     if (in_use_) frame = with_calibration(*frame, in_use_);
+    EXPECT_TRUE(tracker_->expect_bias(sensor_bias_mm_));
     const auto tracked = tracker_->process(frame).value();
     EXPECT_EQ(as_sensed(*tracked.frame).depth_mm, camera_->frame_at(id)->depth_mm)
         << "what is recorded stays the sensor's";
@@ -143,7 +146,7 @@ class SelfCalibratorTest : public testing::Test {
   std::unique_ptr<SimulatedCamera> camera_;
   std::unique_ptr<Tracker> tracker_;
   std::shared_ptr<const RgbdCalibration> in_use_;
-  double sensor_bias_mm_ = 0.0;
+  std::atomic<double> sensor_bias_mm_ = 0.0;
   std::string hindrance_;
   std::vector<Target> targets_;
   std::uint64_t next_ = 0;
@@ -162,6 +165,9 @@ TEST_F(SelfCalibratorTest, ProposesAppliesChecksItselfAndTakesBack) {
   EXPECT_EQ(proposed["found"]["map"]["add_mm"].size(), 130U);
   EXPECT_GT(proposed["found"]["shift_mm"], 1.0);
   EXPECT_EQ(in_use_, nullptr) << "nothing changes without a yes";
+  const double waiting_bias_mm = sensor_bias_mm_;
+  EXPECT_GT(waiting_bias_mm, status.found->shift_mm)
+      << "a sensor that is known to be off widens the bound while that waits";
 
   hindrance_ = "a recording goes on";
   EXPECT_THAT(ask("POST", "/apply", 400)["error"], HasSubstr("a recording goes on"));
@@ -173,6 +179,7 @@ TEST_F(SelfCalibratorTest, ProposesAppliesChecksItselfAndTakesBack) {
               HasSubstr("self-calibration on the CT skin, built on "
                         "[the camera's own], 20"));
   EXPECT_GT(sensor_bias_mm_, 0.5) << "what stays unknown widens the bound";
+  EXPECT_LT(sensor_bias_mm_, waiting_bias_mm);
   const auto kept = store_.newest("simulated-1");
   ASSERT_TRUE(kept);
   EXPECT_EQ(kept->calibration, *in_use_);
@@ -208,6 +215,17 @@ TEST_F(SelfCalibratorTest, ACameraWithoutNumberIsCorrectedForTheSessionAlone) {
   EXPECT_EQ(applied["device"], nullptr);
   EXPECT_NE(in_use_, nullptr);
   EXPECT_TRUE(store_.list().empty());
+}
+
+TEST_F(SelfCalibratorTest, ANoLeavesTheBoundAsWideAsTheSensorIsOff) {
+  look_through(4.0);
+  track_until_it_says_something();
+  ASSERT_EQ(calibrator_->status().phase, SelfCalibratorPhase::kProposed);
+  const double waiting_bias_mm = sensor_bias_mm_;
+  EXPECT_EQ(ask("POST", "/discard")["phase"], "resting");
+  EXPECT_EQ(sensor_bias_mm_, waiting_bias_mm);
+  EXPECT_EQ(ask("POST", "/again")["phase"], "gathering");
+  EXPECT_EQ(sensor_bias_mm_, 0.0);
 }
 
 TEST_F(SelfCalibratorTest, EndsAtOnceWhileItWorks) {

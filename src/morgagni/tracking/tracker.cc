@@ -61,7 +61,7 @@ Result<void> TrackingOptions::check() const {
                       fmt::format("{} must be {}, got {}", name, range, value));
   };
   MOR_CHECK(limits.check());
-  if (!(sensor_bias_mm >= 0.0 && sensor_bias_mm <= 50.0)) {
+  if (!(sensor_bias_mm >= 0.0 && sensor_bias_mm <= kMostSensorBiasMm)) {
     return refuse("sensor_bias_mm", "in [0, 50]", sensor_bias_mm);
   }
   if (!(residual_ratio > 1.0)) return refuse("residual_ratio", "above 1", residual_ratio);
@@ -97,11 +97,16 @@ Tracker::Tracker(const TrackingOptions& options,
       registration_(std::move(registration)) {}
 
 Result<void> Tracker::use_camera(BodySurfaceExtractor extractor, double sensor_bias_mm) {
+  MOR_CHECK(expect_bias(sensor_bias_mm));
+  extractor_ = std::move(extractor);
+  return {};
+}
+
+Result<void> Tracker::expect_bias(double sensor_bias_mm) {
   TrackingOptions options = options_;
   options.sensor_bias_mm = sensor_bias_mm;
   MOR_CHECK(options.check());
   options_ = options;
-  extractor_ = std::move(extractor);
   return {};
 }
 

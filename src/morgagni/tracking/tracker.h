@@ -35,8 +35,9 @@ enum class TrackingState : std::uint8_t {
 struct TrackingOptions {
   TrackingGate gate = TrackingGate::kEvidence;
   JudgementLimits limits;
+  static constexpr double kMostSensorBiasMm = 50.0;
   /// Systematic error of the sensor's depth where it is known, root mean square: widens the error
-  /// bound. 0..50.
+  /// bound. 0..kMostSensorBiasMm.
   double sensor_bias_mm = 0.0;
   double residual_ratio = 1.5;  ///< kResidual: e(t) must stay below alpha * e_valid (paper). > 1.
   std::chrono::milliseconds lost_after{500};  ///< Without a usable frame. > 0.
@@ -97,6 +98,10 @@ class Tracker {
   /// @param extractor  Of the frames to come. @param sensor_bias_mm  As in the options.
   /// @errors kInvalidArgument: a bias outside its limits.
   [[nodiscard]] Result<void> use_camera(BodySurfaceExtractor extractor, double sensor_bias_mm);
+
+  /// What is not known of the camera's depth, for the bounds of the frames to come.
+  /// @errors kInvalidArgument: outside the options' limits.
+  [[nodiscard]] Result<void> expect_bias(double sensor_bias_mm);
 
   /// Forgets the pose and waits for a start.
   void wait_for_start();

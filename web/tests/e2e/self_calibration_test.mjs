@@ -23,7 +23,7 @@ for (let i = 0; i < 130; ++i) {
   const y = Math.floor(i / 13) / 4.5 - 1;
   map.add_mm.push(2.4 * x - 1.1 * y + 1.5 * (x * x + y * y - 0.7));
 }
-const found = { verdict: 'error', shift_mm: 1.94, remaining_mm: 0.81, views: 60, parts_better: 6, parts: 6, map };
+const found = { verdict: 'error', shift_mm: 1.94, remaining_mm: 0.81, skin_mm: 0.12, views: 60, parts_better: 6, parts: 6, map };
 const gathering = {
   phase: 'gathering', views: 23, wanted_views: 60, views_in_part: [0, 3, 0, 2, 23, 8, 0, 11, 0],
   missing: ['Move nearer to the body and farther away, by 30 cm in all.',

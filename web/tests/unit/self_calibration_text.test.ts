@@ -8,7 +8,7 @@ import {
 
 const map: CorrectionMap = { columns: 3, rows: 2, at_mm: 700, add_mm: [-2.2, 0, 1, 0, 0, 1] };
 const found: FoundError = {
-  verdict: 'error', shift_mm: 1.94, remaining_mm: 0.81, views: 60, parts_better: 6, parts: 6, map,
+  verdict: 'error', shift_mm: 1.94, remaining_mm: 0.81, skin_mm: 0.1, views: 60, parts_better: 6, parts: 6, map,
 };
 const state: SelfCalibration = {
   phase: 'gathering', views: 12, wanted_views: 60, views_in_part: [0, 1, 0, 0, 9, 0, 0, 0, 0],
@@ -30,6 +30,12 @@ describe('what the panel says', () => {
     expect(gain).toContain('about 0.8 mm');
     expect(sure).toContain('all 6 of 6');
     expect(proposalLines({ ...found, parts_better: 5 })[1]).toContain(': 5 of 6');
+    expect(proposalLines(found)[2]).toContain('bound counts it in');
+  });
+
+  it('says that a changed body stays as it is', () => {
+    expect(proposalLines(found)).toHaveLength(3);
+    expect(proposalLines({ ...found, skin_mm: 0.74 })[3]).toContain('about 0.7 mm. That stays');
   });
 
   it('says why it rests', () => {
