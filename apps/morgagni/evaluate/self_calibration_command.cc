@@ -13,6 +13,7 @@
 #include "morgagni/core/files.h"
 #include "morgagni/core/progress.h"
 #include "morgagni/evaluation/self_calibration_evaluation.h"
+#include "morgagni/evaluation/summary.h"
 
 #include "evaluate/commands.h"
 #include "exit.h"
@@ -58,21 +59,34 @@ constexpr Shown kShown[] = {
 /// recording's own.
 void add_recorded(const Case& body,
                   const std::filesystem::path& folder,
+                  const BodySurfaceOptions& depth,
                   std::vector<SelfCalibrationGroup>& groups) {
   const auto recorded =
       std::make_shared<const RecordedFrames>(value_or_exit(load_recorded_frames(folder, body)));
-  const auto bias = value_or_exit(measure_bias(body.skin->mesh, *recorded));
+  const auto bias =
+      std::make_shared<const RecordedBias>(value_or_exit(measure_bias(body.skin->mesh, *recorded)));
   fmt::print(
-      "{}: {} blocks of readings in {} frames lie {:.2f} mm off the skin at the true poses, {:.2f} "
-      "mm less a smooth error that {}\n",
+      "{}: {} blocks of readings in {} frames lie {:.2f} mm off the skin at the true poses; less a "
+      "smooth error of the sensor that {}, {:.2f} mm; less a change of the body since its CT "
+      "({:.2f} "
+      "mm, root mean square) as well, {:.2f} mm\n",
       folder.string(),
-      bias.num_readings,
+      bias->num_readings,
       recorded->frames.size(),
-      bias.before_mm,
-      bias.after_mm,
-      bias.is_growing ? "grows with the distance" : "is the same at each distance");
+      bias->before_mm,
+      bias->is_growing ? "grows with the distance" : "is the same at each distance",
+      bias->without_adds_mm,
+      bias->body_mm,
+      bias->after_mm);
+  const auto limit = value_or_exit(recorded_limit(body.skin, *recorded, *bias, depth));
+  fmt::print(
+      "mean TRE at its frames: {:.2f} mm, {:.2f} mm less the sensor's error as they show it by the "
+      "truth, {:.2f} mm against the changed body as well\n",
+      summarize(limit.as_it_is_mm).mean,
+      summarize(limit.without_error_mm).mean,
+      summarize(limit.with_body_mm).mean);
   SelfCalibrationGroup group{body.name + ", recorded bias", body.skin, "path=sweep"};
-  group.recorded_adds = std::make_shared<const DepthCorrection>(bias.adds);
+  group.recorded = bias;
   groups.push_back(group);
   group.name += ", at the recorded frames";
   group.held = recorded;
@@ -84,7 +98,7 @@ void evaluate(const Arguments& arguments) {
   for (const auto& folder : arguments.folders) {
     const auto body = value_or_exit(load_case(folder));
     if (!arguments.recording.empty()) {
-      add_recorded(body, arguments.recording, groups);
+      add_recorded(body, arguments.recording, arguments.options.depth, groups);
       continue;
     }
     for (const auto& shown : kShown) {

@@ -35,13 +35,18 @@ constexpr double kSkinSpacingPerReach = 0.9;
 constexpr double kLeastShiftMm = 1.0;
 /// Where more than this share of what a sensor can do to a pose stays unknown, the camera has moved
 /// too little.
-constexpr double kMostRemainingShare = 0.6;
-/// With a skin that has changed by more, root mean square, corrections were seen to do harm.
-constexpr double kMostSkinMm = 0.3;
+constexpr double kMostOpenShare = 0.6;
+/// A skin that has changed by more, root mean square, is another body's, or covered. Less is told
+/// apart from the sensor by the views that are held out.
+constexpr double kMostSkinMm = 1.5;
 /// A shift of more than so many of the prior's standard deviations is none of a sensor's.
 constexpr double kMostPlausible = 2.5;
 constexpr double kLeastSignificance = 3.0;
 constexpr double kLeastGain = 0.01;
+/// Sensors' errors are this much of what SensorPrior allows, before anything was seen; known as
+/// well as from so many values.
+constexpr double kUsualSizeRatio = 0.7;
+constexpr double kUsualSizeValues = 6.0;
 /// Expectations are drawn anew so often.
 constexpr int kPasses = 3;
 constexpr float kNoResidual = std::numeric_limits<float>::max();
@@ -208,6 +213,7 @@ class Estimation {
     result.center_px = {result.depth.center_x_px - depth_.center_x_px,
                         result.depth.center_y_px - depth_.center_y_px};
     result.skin_rms_mm = skin_rms_mm(state);
+    result.skin = skin_change(state);
   }
 
   /// It holds where the skin was seen, and a little beyond.
@@ -224,6 +230,15 @@ class Estimation {
     if (!(near_mm < far_mm)) return;
     correction.near_mm = std::max(1.0, near_mm - kBeyondMm);
     correction.far_mm = far_mm + kBeyondMm;
+  }
+
+  /// The most likely skin between and beyond the control points, given their values.
+  [[nodiscard]] SkinChange skin_change(const BundleState& state) const {
+    const auto size = static_cast<Eigen::Index>(skin_.size());
+    const Eigen::VectorXd weights = options_.skin_mm * options_.skin_mm *
+                                    prior_precision_.bottomRightCorner(size, size) *
+                                    state.values.tail(size);
+    return {skin_.places_mm(), {weights.begin(), weights.end()}, options_.skin_reach_mm};
   }
 
   [[nodiscard]] double skin_rms_mm(const BundleState& state) const {
@@ -282,11 +297,16 @@ class Estimation {
     const auto count =
         static_cast<double>(std::max<std::size_t>(1, information.pose_from_values.size()));
     result.shift_mm = std::sqrt(shift_sq / count);
-    result.remaining_mm = std::sqrt(std::max(0.0, remaining_sq / count));
     result.before_mm = std::sqrt(before_sq / count);
+    result.open_share = std::sqrt(std::max(0.0, remaining_sq / std::max(1e-12, before_sq)));
     const auto seen = what_was_seen(posterior.topLeftCorner(sensor, sensor), values);
     result.num_open = seen.num_open;
     result.size_ratio = seen.size_ratio;
+    const auto num_seen = static_cast<double>(sensor - seen.num_open);
+    const double size_sq = (kUsualSizeValues * kUsualSizeRatio * kUsualSizeRatio +
+                            num_seen * seen.size_ratio * seen.size_ratio) /
+                           (kUsualSizeValues + num_seen);
+    result.remaining_mm = std::sqrt(size_sq) * result.open_share * result.before_mm;
   }
 
   struct Seen {
@@ -467,7 +487,7 @@ class Estimation {
     const bool is_plausible = result.shift_mm < kMostPlausible * result.before_mm;
     if (!explains || !is_plausible) return SelfCalibrationVerdict::kNoError;
     if (result.skin_rms_mm > kMostSkinMm) return SelfCalibrationVerdict::kSkinChanged;
-    if (result.remaining_mm > kMostRemainingShare * result.before_mm) {
+    if (result.open_share > kMostOpenShare) {
       return SelfCalibrationVerdict::kTooLittleMotion;
     }
     return result.shift_mm < kLeastShiftMm ? SelfCalibrationVerdict::kSmall
@@ -507,6 +527,23 @@ std::string_view to_string(SelfCalibrationVerdict verdict) {
       return "error";
   }
   return "too-few-views";
+}
+
+double SkinChange::at_mm(const Eigen::Vector3d& ct_mm) const {
+  double sum_mm = 0.0;
+  for (std::size_t i = 0; i < places_mm.size(); ++i) {
+    const double apart_sq = (places_mm[i] - ct_mm).squaredNorm() / (reach_mm * reach_mm);
+    sum_mm += weights_mm[i] * std::exp(-0.5 * apart_sq);
+  }
+  return sum_mm;
+}
+
+TriangleMesh SkinChange::applied_to(TriangleMesh skin) const {
+  for (std::size_t i = 0; i < skin.vertices.size(); ++i) {
+    const double out_mm = at_mm(skin.vertices[i].cast<double>());
+    skin.vertices[i] += static_cast<float>(out_mm) * skin.normals[i];
+  }
+  return skin;
 }
 
 Result<void> SelfCalibrationOptions::check() const {

@@ -69,19 +69,33 @@ struct HeldOutFit {
   int num_folds = 0;
 };
 
+/// How far the body's skin lies outside of where the CT has it, along the normal: smooth, and 0 far
+/// from where it was seen.
+struct SkinChange {
+  std::vector<Eigen::Vector3d> places_mm;  ///< Frame ct.
+  std::vector<double> weights_mm;          ///< Of a Gaussian bump around each.
+  double reach_mm = 1.0;                   ///< Of the bumps.
+
+  [[nodiscard]] double at_mm(const Eigen::Vector3d& ct_mm) const;
+  /// The skin as it is now.
+  [[nodiscard]] TriangleMesh applied_to(TriangleMesh skin) const;
+};
+
 struct SelfCalibration {
   SelfCalibrationVerdict verdict = SelfCalibrationVerdict::kTooFewViews;
   /// The most likely correction, whatever the verdict, and the pinhole that goes with it.
   DepthCorrection correction;
   PinholeCamera depth;
+  SkinChange skin;
   HeldOutFit held_out;
   /// How far the correction moves the body's points, root mean square over skin and views: what the
   /// tracked poses are estimated to be off.
   double shift_mm = 0.0;
   /// What stays unknown of that when it is removed, one standard deviation: errors of a sensor that
-  /// look like a pose.
+  /// look like a pose, as large as such an error is elsewhere, where it can be seen (size_ratio).
   double remaining_mm = 0.0;
-  double before_mm = 0.0;      ///< The same before any view was seen: the prior's.
+  double before_mm = 0.0;      ///< Before any view was seen: what SensorPrior does to a pose.
+  double open_share = 0.0;     ///< Of that, so much is not told by these views, whatever its size.
   double focal_x_ratio = 0.0;  ///< Found over stated, less 1.
   double focal_y_ratio = 0.0;
   Eigen::Vector2d center_px = Eigen::Vector2d::Zero();  ///< Found less stated.

@@ -13,6 +13,7 @@
 #include "morgagni/calibration/skin_readings.h"
 #include "morgagni/camera/tum_recording.h"
 #include "morgagni/core/statistics.h"
+#include "morgagni/geometry/depth_levels.h"
 
 namespace mor {
 namespace {
@@ -26,7 +27,16 @@ constexpr double kScaleMm = 5.0;
 constexpr int kRounds = 10;
 /// Where there are no readings, terms stay small: a prior of so much each, mm.
 constexpr double kPriorMm = 5.0;
-constexpr double kReadingMm = 1.0;  ///< Scatter of a reading, for that prior.
+
+/// The body's change: its standard deviation, how smooth it is, and how far its control points lie
+/// apart.
+constexpr double kChangeMm = 1.5;
+constexpr double kChangeReachMm = 40.0;
+constexpr double kNodesApartMm = 28.0;
+/// Scatter of a reading: those of neighbours err together, so they count less than one each.
+constexpr double kReadingMm = 2.2;
+/// Steeper skin is read less well.
+constexpr double kLeastCosine = 0.35;
 
 using Terms = Eigen::Matrix<double, kTerms, 1>;
 
@@ -47,6 +57,8 @@ Terms terms_at(double u, double v) {
 
 struct Reading {
   Terms terms;
+  Eigen::Vector3d place_mm;
+  double per_change = 0.0;  ///< Of the skin outward: what it adds to the distance read.
   double true_mm = 0.0;
   double off_mm = 0.0;
 };
@@ -54,67 +66,135 @@ struct Reading {
 std::vector<Reading> readings_of(const TriangleMesh& skin, const RecordedFrames& recorded) {
   std::vector<Reading> readings;
   const auto& camera = recorded.depth;
+  DepthLevels levels;
   for (const auto& frame : recorded.frames) {
+    levels.learn(frame.depth_mm.view());
     const auto drawn = expected_depth(skin, camera, frame.ct_from_depth);
-    const auto view = read_skin(skin, camera, frame.depth_mm.view(), frame.ct_from_depth);
+    const auto view = read_skin(skin, camera, frame.depth_mm.view(), levels, frame.ct_from_depth);
     for (const auto& read : view.readings) {
       const auto expected = expected_reading(read, drawn, camera);
       if (!(expected.z_mm > 0.0F)) continue;
+      const auto true_mm = static_cast<double>(expected.z_mm);
+      const Eigen::Vector2d ray = camera.ray(read.pixel.cast<double>());
+      const Eigen::Vector3d direction(ray.x(), ray.y(), 1.0);
+      const double along_ray = expected.normal.cast<double>().dot(direction);
+      if (-along_ray < kLeastCosine * direction.norm()) continue;
       const double u = 2.0 * static_cast<double>(read.pixel.x()) / (camera.width_px - 1) - 1.0;
       const double v = 2.0 * static_cast<double>(read.pixel.y()) / (camera.height_px - 1) - 1.0;
       readings.push_back({terms_at(u, v),
-                          static_cast<double>(expected.z_mm),
-                          static_cast<double>(read.z_mm) - static_cast<double>(expected.z_mm)});
+                          frame.ct_from_depth * (true_mm * direction),
+                          1.0 / along_ray,
+                          true_mm,
+                          static_cast<double>(read.z_mm) - true_mm});
     }
   }
   return readings;
 }
 
+/// Control points of the body's change, spread over what was read.
+std::vector<Eigen::Vector3d> nodes_among(const std::vector<Reading>& readings) {
+  std::vector<Eigen::Vector3d> nodes;
+  for (const auto& reading : readings) {
+    const bool is_apart = std::ranges::none_of(nodes, [&](const Eigen::Vector3d& node) {
+      return (node - reading.place_mm).norm() < kNodesApartMm;
+    });
+    if (is_apart) nodes.push_back(reading.place_mm);
+  }
+  return nodes;
+}
+
+/// The sensor's terms, then the weights of the bumps around the nodes.
 struct Fit {
-  Terms values = Terms::Zero();
+  Eigen::VectorXd values;
   double left_mm = 0.0;
 };
 
-double robust_rms(const std::vector<Reading>& readings, const Terms& values, bool grows) {
-  std::vector<double> sizes;
-  for (const auto& reading : readings) {
-    const double growth = grows ? reading.true_mm / kReferenceMm : 1.0;
-    sizes.push_back(std::abs(reading.off_mm - growth * values.dot(reading.terms)));
-  }
-  constexpr double kSdPerMedian = 1.4826;
-  return kSdPerMedian * quantile(std::move(sizes), 0.5);
-}
-
-Fit fit(const std::vector<Reading>& readings, bool grows) {
-  Fit result;
-  for (int round = 0; round < kRounds; ++round) {
-    Eigen::Matrix<double, kTerms, kTerms> matrix =
-        Eigen::Matrix<double, kTerms, kTerms>::Identity() *
-        (kReadingMm * kReadingMm / (kPriorMm * kPriorMm));
-    Terms right = Terms::Zero();
-    for (const auto& reading : readings) {
-      const double growth = grows ? reading.true_mm / kReferenceMm : 1.0;
-      const Terms terms = growth * reading.terms;
-      const double off = (reading.off_mm - result.values.dot(terms)) / kScaleMm;
-      const double rest = std::max(0.0, 1.0 - off * off);
-      const double weight = round == 0 ? 1.0 : rest * rest;
-      matrix += weight * terms * terms.transpose();
-      right += weight * reading.off_mm * terms;
+class JointFit {
+ public:
+  explicit JointFit(const std::vector<Reading>& readings)
+      : readings_(readings), nodes_(nodes_among(readings)) {
+    const auto size = static_cast<Eigen::Index>(nodes_.size());
+    prior_ = Eigen::MatrixXd::Zero(kTermsIndex + size, kTermsIndex + size);
+    prior_.diagonal().head(kTermsIndex).setConstant(1.0 / (kPriorMm * kPriorMm));
+    // Weights w of bumps K make a Gaussian process of covariance sd^2 K where w ~ sd^2 K^-1.
+    for (Eigen::Index i = 0; i < size; ++i) {
+      prior_.block(kTermsIndex + i, kTermsIndex, 1, size) =
+          bumps_at(nodes_[static_cast<std::size_t>(i)]).transpose() / (kChangeMm * kChangeMm);
     }
-    result.values = matrix.ldlt().solve(right);
+    prior_.diagonal().tail(size).array() += 1e-3;
+    for (const auto& reading : readings) bumps_.push_back(bumps_at(reading.place_mm));
   }
-  result.left_mm = robust_rms(readings, result.values, grows);
-  return result;
-}
 
-DepthCorrection as_correction(const Terms& values, bool grows) {
+  [[nodiscard]] Fit fit(bool grows) const {
+    Fit result;
+    result.values = Eigen::VectorXd::Zero(prior_.rows());
+    for (int round = 0; round < kRounds; ++round) {
+      Eigen::MatrixXd matrix = prior_;
+      Eigen::VectorXd right = Eigen::VectorXd::Zero(prior_.rows());
+      for (std::size_t i = 0; i < readings_.size(); ++i) {
+        const Eigen::VectorXd row = row_of(i, grows);
+        const double off = (readings_[i].off_mm - result.values.dot(row)) / kScaleMm;
+        const double rest = std::max(0.0, 1.0 - off * off);
+        const double weight = (round == 0 ? 1.0 : rest * rest) / (kReadingMm * kReadingMm);
+        matrix.selfadjointView<Eigen::Lower>().rankUpdate(row, weight);
+        right += weight * readings_[i].off_mm * row;
+      }
+      result.values = matrix.selfadjointView<Eigen::Lower>().ldlt().solve(right);
+    }
+    result.left_mm = left_mm(result.values, grows);
+    return result;
+  }
+
+  /// Of the readings less what the values explain, robust root mean square.
+  [[nodiscard]] double left_mm(const Eigen::VectorXd& values, bool grows) const {
+    std::vector<double> sizes;
+    for (std::size_t i = 0; i < readings_.size(); ++i) {
+      sizes.push_back(std::abs(readings_[i].off_mm - values.dot(row_of(i, grows))));
+    }
+    constexpr double kSdPerMedian = 1.4826;
+    return kSdPerMedian * quantile(std::move(sizes), 0.5);
+  }
+
+  [[nodiscard]] SkinChange body_of(const Fit& fit) const {
+    const Eigen::VectorXd weights = fit.values.tail(static_cast<Eigen::Index>(nodes_.size()));
+    return {nodes_, {weights.begin(), weights.end()}, kChangeReachMm};
+  }
+
+ private:
+  static constexpr auto kTermsIndex = static_cast<Eigen::Index>(kTerms);
+
+  [[nodiscard]] Eigen::VectorXd bumps_at(const Eigen::Vector3d& place_mm) const {
+    Eigen::VectorXd bumps(static_cast<Eigen::Index>(nodes_.size()));
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      const double apart_sq = (nodes_[i] - place_mm).squaredNorm();
+      bumps[static_cast<Eigen::Index>(i)] =
+          std::exp(-0.5 * apart_sq / (kChangeReachMm * kChangeReachMm));
+    }
+    return bumps;
+  }
+
+  [[nodiscard]] Eigen::VectorXd row_of(std::size_t i, bool grows) const {
+    const auto& reading = readings_[i];
+    Eigen::VectorXd row(prior_.rows());
+    row << (grows ? reading.true_mm / kReferenceMm : 1.0) * reading.terms,
+        reading.per_change * bumps_[i];
+    return row;
+  }
+
+  const std::vector<Reading>& readings_;
+  std::vector<Eigen::Vector3d> nodes_;
+  std::vector<Eigen::VectorXd> bumps_;  ///< At each reading.
+  Eigen::MatrixXd prior_;               ///< Precision.
+};
+
+DepthCorrection as_correction(const Eigen::VectorXd& values, bool grows) {
   constexpr int kColumns = 25;
   constexpr int kRows = 19;
   DepthCorrection adds{.columns = kColumns, .rows = kRows, .control = {}, .curve = {}};
   for (int row = 0; row < kRows; ++row) {
     for (int column = 0; column < kColumns; ++column) {
-      const double amount_mm =
-          values.dot(terms_at(2.0 * column / (kColumns - 1) - 1.0, 2.0 * row / (kRows - 1) - 1.0));
+      const double amount_mm = values.head<kTerms>().dot(
+          terms_at(2.0 * column / (kColumns - 1) - 1.0, 2.0 * row / (kRows - 1) - 1.0));
       adds.control.push_back(grows
                                  ? DepthCorrection::Coefficients{0.0, amount_mm / kReferenceMm, 0.0}
                                  : DepthCorrection::Coefficients{amount_mm, 0.0, 0.0});
@@ -157,14 +237,29 @@ Result<RecordedBias> measure_bias(const TriangleMesh& skin, const RecordedFrames
                                   readings.size(),
                                   kLeastReadings));
   }
-  const Fit growing = fit(readings, true);
-  const Fit fixed = fit(readings, false);
+  const JointFit joint(readings);
+  const Fit growing = joint.fit(true);
+  const Fit fixed = joint.fit(false);
   RecordedBias bias;
   bias.is_growing = growing.left_mm <= fixed.left_mm;
   const Fit& better = bias.is_growing ? growing : fixed;
   bias.adds = as_correction(better.values, bias.is_growing);
+  bias.removes = bias.adds;
+  for (auto& point : bias.removes.control) {
+    point = {-point.c0_mm / (1.0 + point.c1), -point.c1 / (1.0 + point.c1), 0.0};
+  }
+  bias.body = joint.body_of(better);
+  double squares = 0.0;
+  for (const auto& reading : readings) {
+    const double change_mm = bias.body.at_mm(reading.place_mm);
+    squares += change_mm * change_mm;
+  }
+  bias.body_mm = std::sqrt(squares / static_cast<double>(readings.size()));
   bias.num_readings = static_cast<int>(readings.size());
-  bias.before_mm = robust_rms(readings, Terms::Zero(), false);
+  Eigen::VectorXd sensor_alone = better.values;
+  sensor_alone.tail(sensor_alone.size() - static_cast<Eigen::Index>(kTerms)).setZero();
+  bias.before_mm = joint.left_mm(Eigen::VectorXd::Zero(better.values.size()), false);
+  bias.without_adds_mm = joint.left_mm(sensor_alone, bias.is_growing);
   bias.after_mm = better.left_mm;
   return bias;
 }

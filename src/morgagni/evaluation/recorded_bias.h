@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "morgagni/calibration/self_calibration.h"
 #include "morgagni/camera/depth_correction.h"
 #include "morgagni/casefile/case.h"
 #include "morgagni/core/result.h"
@@ -28,19 +29,25 @@ struct RecordedFrames {
 [[nodiscard]] Result<RecordedFrames> load_recorded_frames(const std::filesystem::path& folder,
                                                           const Case& body);
 
-/// A recorded sensor's systematic error of depth, as its frames show it at their true poses.
+/// A recorded sensor's systematic error of depth and how the recorded body has changed since its
+/// CT, as the frames show both at their true poses.
 struct RecordedBias {
   /// What the sensor adds to a true distance: apply() makes a true picture the sensor's.
   DepthCorrection adds;
+  DepthCorrection removes;  ///< Takes it back.
   bool is_growing = false;  ///< With the distance; else it is the same at each.
+  SkinChange body;
+  double body_mm = 0.0;  ///< Root mean square of the body's change where it was read.
   int num_readings = 0;
-  double before_mm = 0.0;  ///< Of the readings less the truth, robust root mean square,
-  double after_mm = 0.0;   ///< and less the error as well.
+  double before_mm = 0.0;        ///< Of the readings less the truth, robust root mean square,
+  double without_adds_mm = 0.0;  ///< less the sensor's error,
+  double after_mm = 0.0;         ///< and less the body's change as well.
 };
 
-/// Fits a polynomial of third degree over the picture to the readings on the skin, once growing
-/// with the distance and once the same at each, and takes what fits better. For evaluation alone:
-/// it needs the truth. @errors kInvalidArgument: too few readings on the skin.
+/// Fits to the readings on the skin, together, a polynomial of third degree over the picture and a
+/// smooth displacement of the skin, fixed on the body; once with the sensor's error growing with
+/// the distance and once the same at each, and takes what fits better. For evaluation alone: it
+/// needs the truth. @errors kInvalidArgument: too few readings on the skin.
 [[nodiscard]] Result<RecordedBias> measure_bias(const TriangleMesh& skin,
                                                 const RecordedFrames& recorded);
 

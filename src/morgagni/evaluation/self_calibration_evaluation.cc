@@ -34,6 +34,12 @@ double uniform(std::mt19937_64& random) {
   return static_cast<double>(random() >> 11U) * 0x1.0p-53 * 2.0 - 1.0;
 }
 
+double root_mean_square(const std::vector<double>& values) {
+  double squares = 0.0;
+  for (const double value : values) squares += value * value;
+  return std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, values.size())));
+}
+
 double thread_cpu_s() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -104,6 +110,23 @@ TriangleMesh changed_skin(TriangleMesh skin, double rms_mm, std::uint64_t seed) 
   return skin;
 }
 
+/// None where there is too little of the body for a pose, as tracking has it.
+Result<std::optional<Eigen::Isometry3d>> registered(FineRegistration& registration,
+                                                    const TriangleMesh& skin,
+                                                    const Image<std::uint16_t>& depth_mm,
+                                                    const PinholeCamera& camera,
+                                                    const BodySurfaceOptions& depth,
+                                                    const Eigen::Isometry3d& start) {
+  MOR_TRY(auto extractor, BodySurfaceExtractor::create(camera, depth));
+  MOR_TRY(const auto surface,
+          extractor.extract(depth_mm.view(), places_facing_camera(skin, start)));
+  if (surface.cloud.size() < kLeastPoints) return std::nullopt;
+  MOR_TRY(const auto result, registration.align(surface.cloud, start, StartQuality::kTracked));
+  const bool has_pose = result.status == RegistrationStatus::kConverged ||
+                        result.status == RegistrationStatus::kMaxIterations;
+  return has_pose ? std::optional(result.fixed_from_moving) : std::nullopt;
+}
+
 /// One group and seed.
 class SeedRun {
  public:
@@ -126,14 +149,15 @@ class SeedRun {
       const auto id = frame_id(shown);
       const auto depth_mm = picture(id);
       MOR_TRY(const auto pose, align(depth_mm, stated, start_near(id)));
-      if (pose) views.push_back(read_skin(group_.body->mesh, stated, depth_mm.view(), *pose));
+      if (pose) views.push_back(read(depth_mm, stated, *pose));
     }
     const double started_s = thread_cpu_s();
     MOR_TRY(run.found,
             estimate_self_calibration(group_.body->mesh, stated, views, options_.estimate));
     run.cpu_s = thread_cpu_s() - started_s;
     const auto measure = [&](const HeldFrame& held) -> Result<void> {
-      const auto corrected = run.found.correction.apply(held.depth_mm.view());
+      levels_.learn(held.depth_mm.view());
+      const auto corrected = run.found.correction.apply(held.depth_mm.view(), levels_);
       MOR_TRY(const auto before, align(held.depth_mm, stated, held.start));
       MOR_TRY(const auto after, align(corrected, run.found.depth, held.start));
       if (!before || !after) return {};  // It has no pose either way, and shows none.
@@ -157,13 +181,12 @@ class SeedRun {
     camera.is_real_time = false;
     is_views_ = camera.path == SimulatedPath::kViews;
     const auto& mesh = group_.body->mesh;
-    const auto skin = std::make_shared<const TriangleMesh>(
-        group_.changed_skin_mm > 0.0 ? changed_skin(mesh, group_.changed_skin_mm, seed) : mesh);
-    MOR_TRY(camera_, SimulatedCamera::create(skin, camera));
+    MOR_TRY(camera_,
+            SimulatedCamera::create(std::make_shared<const TriangleMesh>(body_now(seed)), camera));
     if (group_.added != AddedBias::kNone) {
       bias_ = make_bias(group_.added, group_.added_mm, seed);
     }
-    if (group_.recorded_adds) bias_ = *group_.recorded_adds;
+    if (group_.recorded) bias_ = group_.recorded->adds;
     MOR_TRY(registration_, make_fine_registration(group_.body, {}));
     random_.seed(seed);
     if (group_.held) {
@@ -174,6 +197,16 @@ class SeedRun {
     MOR_TRY(const auto inner, sample_internal_targets(mesh, kTargetsOfAKind, 1));
     targets_.insert(targets_.end(), inner.begin(), inner.end());
     return {};
+  }
+
+  /// The body before the camera, which is not quite as in the CT.
+  [[nodiscard]] TriangleMesh body_now(std::uint64_t seed) const {
+    TriangleMesh skin = group_.body->mesh;
+    if (group_.recorded) skin = group_.recorded->body.applied_to(std::move(skin));
+    if (group_.changed_skin_mm > 0.0) {
+      skin = changed_skin(std::move(skin), group_.changed_skin_mm, seed);
+    }
+    return skin;
   }
 
   struct HeldFrame {
@@ -196,9 +229,19 @@ class SeedRun {
     return is_views_ ? at : kFirstFrame + at * static_cast<std::uint64_t>(options_.frames_apart);
   }
 
-  [[nodiscard]] Image<std::uint16_t> picture(std::uint64_t id) const {
+  [[nodiscard]] Image<std::uint16_t> picture(std::uint64_t id) {
     auto frame = camera_->frame_at(id);
-    return bias_ ? bias_->apply(frame->depth_mm.view()) : frame->depth_mm;
+    if (!bias_) return frame->depth_mm;
+    // The error lies in what the sensor measures, so its rounding must not come before.
+    unbiased_levels_.learn(frame->depth_mm.view());
+    return bias_->apply(frame->depth_mm.view(), unbiased_levels_);
+  }
+
+  [[nodiscard]] SensedSkin read(const Image<std::uint16_t>& depth_mm,
+                                const PinholeCamera& camera,
+                                const Eigen::Isometry3d& ct_from_depth) {
+    levels_.learn(depth_mm.view());
+    return read_skin(group_.body->mesh, camera, depth_mm.view(), levels_, ct_from_depth);
   }
 
   [[nodiscard]] Eigen::Isometry3d start_near(std::uint64_t id) {
@@ -210,25 +253,19 @@ class SeedRun {
     return perturbed_start(truth, center, kStartErrorMm, kStartErrorRad, random_);
   }
 
-  /// None where there is too little of the body for a pose, as tracking has it.
   [[nodiscard]] Result<std::optional<Eigen::Isometry3d>> align(
       const Image<std::uint16_t>& depth_mm,
       const PinholeCamera& camera,
       const Eigen::Isometry3d& start) const {
-    MOR_TRY(auto extractor, BodySurfaceExtractor::create(camera, options_.depth));
-    MOR_TRY(const auto surface,
-            extractor.extract(depth_mm.view(), places_facing_camera(group_.body->mesh, start)));
-    if (surface.cloud.size() < kLeastPoints) return std::nullopt;
-    MOR_TRY(const auto result, registration_->align(surface.cloud, start, StartQuality::kTracked));
-    const bool has_pose = result.status == RegistrationStatus::kConverged ||
-                          result.status == RegistrationStatus::kMaxIterations;
-    return has_pose ? std::optional(result.fixed_from_moving) : std::nullopt;
+    return registered(*registration_, group_.body->mesh, depth_mm, camera, options_.depth, start);
   }
 
   const SelfCalibrationGroup& group_;
   const SelfCalibrationStudyOptions& options_;
   std::unique_ptr<SimulatedCamera> camera_;
   std::optional<DepthCorrection> bias_;
+  DepthLevels unbiased_levels_;
+  DepthLevels levels_;  ///< Of the pictures as tracking gets them.
   std::unique_ptr<FineRegistration> registration_;
   std::vector<Target> targets_;
   std::mt19937_64 random_;
@@ -238,6 +275,7 @@ class SeedRun {
 /// All frames of a group's runs.
 struct GroupErrors {
   std::vector<double> before_mm, followed_mm, applied_mm;
+  std::vector<double> remaining_mm;  ///< As each run says it.
   int num_runs = 0;
   int num_proposed = 0;
   int num_better = 0;  ///< Frames that gain, by 0.1 mm or more, when the verdict is followed.
@@ -252,6 +290,7 @@ GroupErrors collect(const std::vector<SelfCalibrationRun>& runs, std::size_t gro
     ++errors.num_runs;
     if (run.found.verdict == SelfCalibrationVerdict::kError) ++errors.num_proposed;
     const auto& followed = run.followed_mm();
+    errors.remaining_mm.push_back(run.found.remaining_mm);
     errors.before_mm.insert(errors.before_mm.end(), run.before_mm.begin(), run.before_mm.end());
     errors.followed_mm.insert(errors.followed_mm.end(), followed.begin(), followed.end());
     errors.applied_mm.insert(errors.applied_mm.end(), run.applied_mm.begin(), run.applied_mm.end());
@@ -305,24 +344,60 @@ Result<std::vector<SelfCalibrationRun>> run_self_calibration_study(
   return runs;
 }
 
+Result<RecordedLimit> recorded_limit(const std::shared_ptr<const FixedSurface>& body,
+                                     const RecordedFrames& recorded,
+                                     const RecordedBias& bias,
+                                     const BodySurfaceOptions& depth) {
+  const auto changed = bias.body.applied_to(body->mesh);
+  MOR_TRY(auto field, DistanceField::build(changed));
+  const auto body_now =
+      std::make_shared<const FixedSurface>(FixedSurface{changed, std::move(field)});
+  const auto errors = [&](const std::shared_ptr<const FixedSurface>& skin,
+                          bool is_corrected) -> Result<std::vector<double>> {
+    MOR_TRY(const auto registration, make_fine_registration(skin, {}));
+    DepthLevels levels;
+    std::vector<double> errors_mm;
+    for (const auto& frame : recorded.frames) {
+      levels.learn(frame.depth_mm.view());
+      const auto depth_mm =
+          is_corrected ? bias.removes.apply(frame.depth_mm.view(), levels) : frame.depth_mm;
+      MOR_TRY(const auto pose,
+              registered(
+                  *registration, skin->mesh, depth_mm, recorded.depth, depth, frame.ct_from_depth));
+      if (!pose) continue;
+      errors_mm.push_back(
+          target_registration_error_mm(*pose, frame.ct_from_depth, recorded.targets));
+    }
+    return errors_mm;
+  };
+  RecordedLimit limit;
+  MOR_TRY(limit.as_it_is_mm, errors(body, false));
+  MOR_TRY(limit.without_error_mm, errors(body, true));
+  MOR_TRY(limit.with_body_mm, errors(body_now, true));
+  return limit;
+}
+
 std::string to_markdown(const std::vector<SelfCalibrationGroup>& groups,
                         const std::vector<SelfCalibrationRun>& runs) {
   std::string text =
       "TRE at held frames in mm: mean ± SD / median / p95 / max.\n\n"
       "| case | proposed | as it is | verdict followed | frames better / worse | applied always, "
-      "median |\n|---|---|---|---|---|---|\n";
+      "median | and root mean square, said to stay |\n|---|---|---|---|---|---|---|\n";
   for (std::size_t i = 0; i < groups.size(); ++i) {
     const auto errors = collect(runs, i);
     const auto frames = static_cast<double>(std::max<std::size_t>(1, errors.before_mm.size()));
-    text += fmt::format("| {} | {} of {} | {} | {} | {:.0f} / {:.0f} % | {:.2f} |\n",
-                        groups[i].name,
-                        errors.num_proposed,
-                        errors.num_runs,
-                        summary_cells(errors.before_mm),
-                        summary_cells(errors.followed_mm),
-                        100.0 * errors.num_better / frames,
-                        100.0 * errors.num_worse / frames,
-                        summarize(errors.applied_mm).median);
+    text +=
+        fmt::format("| {} | {} of {} | {} | {} | {:.0f} / {:.0f} % | {:.2f} | {:.2f}, {:.2f} |\n",
+                    groups[i].name,
+                    errors.num_proposed,
+                    errors.num_runs,
+                    summary_cells(errors.before_mm),
+                    summary_cells(errors.followed_mm),
+                    100.0 * errors.num_better / frames,
+                    100.0 * errors.num_worse / frames,
+                    summarize(errors.applied_mm).median,
+                    root_mean_square(errors.applied_mm),
+                    root_mean_square(errors.remaining_mm));
   }
   return text;
 }

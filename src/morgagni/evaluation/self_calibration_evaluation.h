@@ -31,8 +31,9 @@ struct SelfCalibrationGroup {
   AddedBias added = AddedBias::kNone;
   double added_mm = 0.0;         ///< Root mean square at 800 mm.
   double changed_skin_mm = 0.0;  ///< The body has changed by so much since its CT, smoothly.
-  /// A recorded sensor's error, which the simulated camera gets (RecordedBias::adds). Null: none.
-  std::shared_ptr<const DepthCorrection> recorded_adds = nullptr;
+  /// A recorded sensor's error, which the simulated camera gets, and the recorded body's change,
+  /// which the body before it gets. Null: none.
+  std::shared_ptr<const RecordedBias> recorded = nullptr;
   /// The error is measured at these frames of the same sensor, in place of simulated ones.
   std::shared_ptr<const RecordedFrames> held = nullptr;
 };
@@ -70,6 +71,20 @@ struct SelfCalibrationRun {
     const std::vector<SelfCalibrationGroup>& groups,
     const SelfCalibrationStudyOptions& options,
     const Progress& progress);
+
+/// Target registration errors at a recording's frames, started from the truth.
+struct RecordedLimit {
+  std::vector<double> as_it_is_mm;
+  std::vector<double> without_error_mm;  ///< Of the sensor, as these frames show it by the truth.
+  std::vector<double> with_body_mm;      ///< And against the body as it is now.
+};
+
+/// How near the best knowledge of the sensor, and of the body, would bring a recording's frames.
+/// @errors As the registration's.
+[[nodiscard]] Result<RecordedLimit> recorded_limit(const std::shared_ptr<const FixedSurface>& body,
+                                                   const RecordedFrames& recorded,
+                                                   const RecordedBias& bias,
+                                                   const BodySurfaceOptions& depth);
 
 /// Reports: a table to read, and every run as JSON.
 [[nodiscard]] std::string to_markdown(const std::vector<SelfCalibrationGroup>& groups,

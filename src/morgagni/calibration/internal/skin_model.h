@@ -28,6 +28,7 @@ class SkinModel {
   void settle();
 
   [[nodiscard]] std::size_t size() const { return places_mm_.size(); }
+  [[nodiscard]] const std::vector<Eigen::Vector3d>& places_mm() const { return places_mm_; }
 
   /// A smooth Gaussian process: standard deviation and reach (of its squared exponential).
   [[nodiscard]] Eigen::MatrixXd prior_covariance(double sd_mm, double reach_mm) const;
