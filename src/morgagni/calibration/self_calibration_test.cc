@@ -125,6 +125,48 @@ TEST(SelfCalibration, LeavesASensorWithoutErrorAsItIs) {
   EXPECT_LT(found->shift_mm, 1.5);
 }
 
+/// The body some time after its CT: its skin has moved by up to 1.5 mm, in and out.
+double change_mm(const Eigen::Vector3f& place) {
+  return 1.5 * std::sin(static_cast<double>(place.y()) / 30.0) *
+         std::cos(static_cast<double>(place.x()) / 45.0);
+}
+
+TriangleMesh changed_body() {
+  TriangleMesh body = bumpy_body();
+  for (std::size_t i = 0; i < body.vertices.size(); ++i) {
+    body.vertices[i] += static_cast<float>(change_mm(body.vertices[i])) * body.normals[i];
+  }
+  return body;
+}
+
+TEST(SelfCalibration, FindsTheSensorsErrorOnAChangedBodyToo) {
+  const auto found =
+      estimate_self_calibration(bumpy_body(), kCamera, views_of(changed_body(), 1.0));
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(to_string(found->verdict), "error");
+  EXPECT_GT(found->skin_rms_mm, 0.4) << "else the body had not changed";
+}
+
+TEST(SelfCalibration, AChangedBodyAloneIsNoErrorOfTheSensor) {
+  const auto body = bumpy_body();
+  const auto found = estimate_self_calibration(body, kCamera, views_of(changed_body(), 0.0));
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_NE(to_string(found->verdict), "error");
+  // Seen from the front, the change is found but for what a pose is, too.
+  const auto now = found->skin.applied_to(body);
+  std::vector<double> before_mm;
+  std::vector<double> after_mm;
+  for (std::size_t i = 0; i < body.vertices.size(); ++i) {
+    if (body.normals[i].z() > -0.8F) continue;
+    const auto out_mm = (now.vertices[i] - body.vertices[i]).dot(body.normals[i]);
+    before_mm.push_back(change_mm(body.vertices[i]));
+    after_mm.push_back(change_mm(body.vertices[i]) - static_cast<double>(out_mm));
+  }
+  ASSERT_GT(before_mm.size(), 50U);
+  EXPECT_GT(spread_mm(before_mm), 0.4);
+  EXPECT_LT(spread_mm(after_mm), 0.5 * spread_mm(before_mm));
+}
+
 TEST(SelfCalibration, SaysWhenThereIsTooLittle) {
   const auto body = bumpy_body();
   auto views = views_of(body, 1.0);
