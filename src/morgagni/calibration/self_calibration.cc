@@ -36,9 +36,6 @@ constexpr double kLeastShiftMm = 1.0;
 /// Where more than this share of what a sensor can do to a pose stays unknown, the camera has moved
 /// too little.
 constexpr double kMostOpenShare = 0.6;
-/// A skin that has changed by more, root mean square, is another body's, or covered. Less is told
-/// apart from the sensor by the views that are held out.
-constexpr double kMostSkinMm = 1.5;
 /// A shift of more than so many of the prior's standard deviations is none of a sensor's.
 constexpr double kMostPlausible = 2.5;
 constexpr double kLeastSignificance = 3.0;
@@ -478,15 +475,16 @@ class Estimation {
     return in_picture * (1.0 + in_time * static_cast<double>(pictures.size() - 1));
   }
 
-  [[nodiscard]] static SelfCalibrationVerdict judge(const SelfCalibration& result) {
+  [[nodiscard]] SelfCalibrationVerdict judge(const SelfCalibration& result) const {
     const auto& held = result.held_out;
     const double gain = 1.0 - held.sensor_mm / held.skin_mm;
     const bool explains = held.significance > kLeastSignificance && gain > kLeastGain &&
-                          held.num_better == held.num_folds;
+                          held.num_better + 1 >= held.num_folds;
     // So far off is no sensor: a cover, or another body.
     const bool is_plausible = result.shift_mm < kMostPlausible * result.before_mm;
     if (!explains || !is_plausible) return SelfCalibrationVerdict::kNoError;
-    if (result.skin_rms_mm > kMostSkinMm) return SelfCalibrationVerdict::kSkinChanged;
+    // Less is told apart from the sensor by the views that were held out.
+    if (result.skin_rms_mm > options_.skin_mm) return SelfCalibrationVerdict::kSkinChanged;
     if (result.open_share > kMostOpenShare) {
       return SelfCalibrationVerdict::kTooLittleMotion;
     }

@@ -141,10 +141,13 @@ TriangleMesh changed_body() {
 
 TEST(SelfCalibration, FindsTheSensorsErrorOnAChangedBodyToo) {
   const auto found =
-      estimate_self_calibration(bumpy_body(), kCamera, views_of(changed_body(), 1.0));
+      estimate_self_calibration(bumpy_body(), kCamera, views_of(changed_body(), 1.5));
   ASSERT_TRUE(found) << found.error().message;
-  EXPECT_EQ(to_string(found->verdict), "error");
-  EXPECT_GT(found->skin_rms_mm, 0.4) << "else the body had not changed";
+  const auto& held = found->held_out;
+  EXPECT_EQ(to_string(found->verdict), "error")
+      << held.skin_mm << " to " << held.sensor_mm << " mm, " << held.num_better << " parts, "
+      << held.significance;
+  EXPECT_GT(found->skin_rms_mm, 0.3) << "else the body had not changed";
 }
 
 TEST(SelfCalibration, AChangedBodyAloneIsNoErrorOfTheSensor) {

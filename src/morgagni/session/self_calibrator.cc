@@ -27,6 +27,9 @@ constexpr int kMostEstimates = 3;
 /// A depth error of 1 mm (root mean square) moved the simulated bodies' points by 0.7 mm
 /// (docs/error-bound.md, the bias rows): the bias that leaves a known error of the pose.
 constexpr double kBiasPerShift = 1.45;
+/// A skin that has changed by 1 mm since its CT moves the poses by so much
+/// (docs/self-calibration.md).
+constexpr double kShiftPerSkin = 2.0;
 constexpr std::size_t kMostOriginWords = 200;
 
 double thread_cpu_ms() {
@@ -38,6 +41,15 @@ double thread_cpu_ms() {
 bool is_good(const TrackedFrame& tracked) {
   return tracked.state == TrackingState::kTracking && tracked.frame && tracked.ct_from_depth &&
          !tracked.is_held && tracked.doubts.empty();
+}
+
+/// What stays unknown of the depth once the correction is made, and the same while it is not: as
+/// a bias, root mean square.
+double bias_after_mm(const SelfCalibration& found) {
+  return kBiasPerShift * std::hypot(found.remaining_mm, kShiftPerSkin * found.skin_rms_mm);
+}
+double bias_before_mm(const SelfCalibration& found) {
+  return std::hypot(bias_after_mm(found), kBiasPerShift * found.shift_mm);
 }
 
 }  // namespace
@@ -88,11 +100,9 @@ void SelfCalibrator::look(const TrackedFrame& tracked) {
 
 /// What is known to be wrong with the depth and not removed, for the error bound. Under `mutex_`.
 void SelfCalibrator::tell_bias() {
-  const double applied_mm = status_.applied ? status_.applied->remaining_mm : 0.0;
+  const double applied_mm = status_.applied ? status_.applied->bias_mm : 0.0;
   const bool is_off = status_.found && status_.found->verdict == SelfCalibrationVerdict::kError;
-  const double found_mm =
-      is_off ? std::hypot(status_.found->shift_mm, status_.found->remaining_mm) : 0.0;
-  in_use_.expect_bias(kBiasPerShift * std::max(applied_mm, found_mm));
+  in_use_.expect_bias(std::max(applied_mm, is_off ? bias_before_mm(*status_.found) : 0.0));
 }
 
 void SelfCalibrator::rest_or_begin(SelfCalibratorPhase phase) {
@@ -174,14 +184,12 @@ Result<void> SelfCalibrator::apply() {
   auto made = to_keep(*found, *in_use);
   MOR_TRY(made.calibration, without_error(*in_use, *found));
   made.calibration.origin = fmt::format("{}, {}", made.made_by, utc_text(made.made_at));
-  const double bias_mm = kBiasPerShift * found->remaining_mm;
+  const double bias_mm = bias_after_mm(*found);
   MOR_CHECK(in_use_.use(std::make_shared<const RgbdCalibration>(made.calibration), bias_mm));
-  const double bias_before_mm =
-      replaced_.empty() ? 0.0 : kBiasPerShift * replaced_.back().by.remaining_mm;
   AppliedCorrection applied{
-      made.calibration.origin, found->shift_mm, found->remaining_mm, /*kept_in=*/{}};
+      made.calibration.origin, found->shift_mm, found->remaining_mm, bias_mm, /*kept_in=*/{}};
   keep(made, applied);
-  replaced_.push_back({in_use, bias_before_mm, applied});
+  replaced_.push_back({in_use, applied});
   rest_or_begin(SelfCalibratorPhase::kGathering);
   slot_.put(std::nullopt);
   return {};
@@ -207,7 +215,8 @@ Result<void> SelfCalibrator::undo() {
   }
   MOR_CHECK(check_hindrance());
   const auto back_to = replaced_.back();
-  MOR_CHECK(in_use_.use(back_to.calibration, back_to.sensor_bias_mm));
+  const double bias_mm = replaced_.size() < 2 ? 0.0 : replaced_[replaced_.size() - 2].by.bias_mm;
+  MOR_CHECK(in_use_.use(back_to.calibration, bias_mm));
   replaced_.pop_back();
   const auto taken_back =
       back_to.by.kept_in.empty() ? Result<void>() : store_.take_back(back_to.by.kept_in);

@@ -37,6 +37,7 @@ struct AppliedCorrection {
   std::string origin;         ///< Of the calibration in use now.
   double shift_mm = 0.0;      ///< As SelfCalibration has it.
   double remaining_mm = 0.0;  ///< The same.
+  double bias_mm = 0.0;       ///< What is not known of the depth then, for the error bound.
   std::string kept_in;        ///< File of the store. Empty: for this session alone.
 };
 
@@ -111,7 +112,6 @@ class SelfCalibrator {
   /// What apply() replaced.
   struct Replaced {
     std::shared_ptr<const RgbdCalibration> calibration;
-    double sensor_bias_mm = 0.0;
     AppliedCorrection by;
   };
 
