@@ -17,6 +17,7 @@
 #include "morgagni/core/files.h"
 #include "morgagni/evaluation/ground_truth.h"
 #include "morgagni/evaluation/recording_evaluation.h"
+#include "morgagni/geometry/depth_levels.h"
 #include "morgagni/geometry/triangle_mesh_io.h"
 #include "morgagni/registration/start.h"
 #include "morgagni/registration/visible_place.h"
@@ -194,11 +195,12 @@ Result<void> export_problems(const std::filesystem::path& out,
   MOR_CHECK(writer.begin(
       body, std::filesystem::absolute(recording_folder), truth.targets, options.start));
   FrameExport frames(extractor, body, options, writer);
+  DepthLevels levels;
   const std::size_t num_frames =
       std::min<std::size_t>(recording.size(), static_cast<std::size_t>(options.num_frames));
   for (std::size_t i = 0; i < num_frames; ++i) {
     MOR_TRY(auto sensed, recording.read(i * recording.size() / num_frames));
-    const auto frame = depth_corrected(std::move(sensed));
+    const auto frame = depth_corrected(std::move(sensed), levels);
     const auto pose = truth_at(truth.poses, recording.timestamp_s(frame->frame_id));
     if (!pose) {
       return make_error(ErrorCode::kInvalidArgument,

@@ -17,6 +17,7 @@
 #include "morgagni/camera/tum_recording.h"
 #include "morgagni/casefile/case.h"
 #include "morgagni/depth/body_surface.h"
+#include "morgagni/geometry/depth_levels.h"
 #include "morgagni/registration/automatic_start.h"
 #include "morgagni/registration/fine_registration.h"
 #include "morgagni/registration/visible_place.h"
@@ -70,7 +71,7 @@ class OwnAutomaticStart : public Method {
         registration_(value_or_throw(make_fine_registration(fixed_, {}))) {}
 
   void set_frame(const ProblemFrame& frame) override {
-    picture_ = depth_corrected(value_or_throw(recording_.read(frame.recording_frame)));
+    picture_ = depth_corrected(value_or_throw(recording_.read(frame.recording_frame)), levels_);
   }
   void set_moving(const TriangleMesh& /*cut out at the truth*/) override {}
 
@@ -90,6 +91,7 @@ class OwnAutomaticStart : public Method {
   AutomaticStart start_;
   BodySurfaceExtractor extractor_;
   std::unique_ptr<FineRegistration> registration_;
+  DepthLevels levels_;
   std::shared_ptr<const RgbdFrame> picture_;
 };
 
