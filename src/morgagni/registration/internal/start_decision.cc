@@ -21,11 +21,12 @@ constexpr double kMostUnevenMm = 1.15;
 constexpr double kMostlyAgrees = 0.85;  ///< Of what nothing hides,
 constexpr double kHardlyAgrees = 0.35;  ///< or from here down.
 constexpr double kRunnerUpDoubt = 0.4;  ///< What a runner-up of equal evidence weighs.
-constexpr double kTryDoubt = 0.05;      ///< Each picture after the first,
-constexpr std::size_t kMostTries = 5;   ///< up to so many: then all the earlier ones are forgotten.
+constexpr double kTriesDoubt = 0.05;    ///< Where it is not the first picture.
 constexpr double kMostDoubt = 0.75;     ///< All together.
-/// The mirror image must not fit as well: then the CT may be mirrored.
+/// The mirror image must not fit as well: then the CT may be mirrored. And the better it fits, the
+/// less doubt of other kinds there may be.
 constexpr double kMostMirrored = 1.0;
+constexpr double kMirroredDoubt = 0.2;
 
 struct Doubts {
   double floating = 0.0;
@@ -109,24 +110,22 @@ double believed_evidence(const SkinAgreement& look) {
 }
 
 double margin(const SkinAgreement& look, double runner_up_share, std::size_t num_tries) {
-  const auto more_tries =
-      static_cast<double>(std::clamp<std::size_t>(num_tries, 1, kMostTries) - 1);
-  return trust(look) - kRunnerUpDoubt * runner_up_share - kTryDoubt * more_tries -
+  return trust(look) - kRunnerUpDoubt * runner_up_share - (num_tries > 1 ? kTriesDoubt : 0.0) -
          (1.0 - kMostDoubt);
 }
 
 StartVerdict decide_start(const StartCase& best) {
+  const double left = margin(best.look, best.runner_up_share, best.num_tries);
   if (margin(best.look, 0.0, best.num_tries) < 0.0) return refused(best.look);
-  if (margin(best.look, best.runner_up_share, best.num_tries) < 0.0) {
+  if (left < 0.0) {
     return {AutomaticStartStatus::kAmbiguous,
             fmt::format("another pose explains the picture {:.0f} % as well: show more of the body",
                         100.0 * best.runner_up_share)};
   }
-  if (best.mirrored_share >= kMostMirrored) {
-    return {
-        AutomaticStartStatus::kAmbiguous,
-        "the CT's mirror image explains the picture as well: show more of the body, and if that "
-        "does not help, see whether the CT is the right way round"};
+  if (best.mirrored_share >= kMostMirrored || left < kMirroredDoubt * best.mirrored_share) {
+    return {AutomaticStartStatus::kAmbiguous,
+            "the CT's mirror image explains the picture too: show more of the body, and if that "
+            "does not help, see whether the CT is the right way round"};
   }
   return {AutomaticStartStatus::kFound, {}};
 }

@@ -30,8 +30,8 @@ struct StartCase {
   std::size_t num_tries = 1;     ///< Pictures so far in which a pose might have been believed.
 };
 
-/// By how much it passes; negative: it does not. Each further try is a further chance to be wrong,
-/// so that later ones must be better.
+/// By how much it passes; negative: it does not. More tries are more chances to be wrong, so that
+/// later ones must be better than a first.
 [[nodiscard]] double margin(const SkinAgreement& look,
                             double runner_up_share,
                             std::size_t num_tries);

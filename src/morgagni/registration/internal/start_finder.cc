@@ -116,15 +116,34 @@ void StartFinder::refine(const StartPicture& picture,
     const float tolerance_mm = kLookToleranceMm + 2.0F * noise_mm;
     findings[i].agreement = verifier_.glance(picture, pose, tolerance_mm);
     findings[i].score = evidence(findings[i].agreement);
+    const auto keep_if_better = [&](const Eigen::Isometry3d& other) {
+      const auto agreement = verifier_.glance(picture, other, tolerance_mm);
+      if (evidence(agreement) < findings[i].score) return;
+      pose = other;
+      findings[i].agreement = agreement;
+      findings[i].score = evidence(agreement);
+    };
     // The hold keeps a pose that little skin fixes; free of it, one that much skin fixes is better.
     const auto fine = fine_.align(scene.full, pose, StartQuality::kTracked);
-    if (!fine) return;
-    const auto agreement = verifier_.glance(picture, fine->fixed_from_moving, tolerance_mm);
-    if (evidence(agreement) < findings[i].score) return;
-    pose = fine->fixed_from_moving;
-    findings[i].agreement = agreement;
-    findings[i].score = evidence(agreement);
+    if (fine) keep_if_better(fine->fixed_from_moving);
+    // Where clutter lies beside the skin, all of these are drawn away from a place that was right.
+    keep_if_better(straight_from_plane(scene, findings[i].on_plane, up_ct));
   });
+}
+
+/// Where the skin fits closely next to where the search on the plane put the body.
+Eigen::Isometry3d StartFinder::straight_from_plane(const StartScene& scene,
+                                                   const Eigen::Isometry3d& on_plane,
+                                                   const Eigen::Vector3d& up_ct) const {
+  const float noise_mm = noise_at(on_plane);
+  const Eigen::Isometry3d narrow =
+      refine_on_plane(fixed_->field,
+                      scene.even,
+                      on_plane,
+                      {up_ct, 0.5, 0.003},
+                      {2.0F * noise_mm + 1.0F, 3.0F * noise_mm + 2.0F, true, 8});
+  return refine_on_plane(
+      fixed_->field, scene.even, narrow, {up_ct, 3.0, 0.02}, close_round(noise_mm));
 }
 
 /// Looks at the findings pixel by pixel, and sorts them.
@@ -150,28 +169,22 @@ void StartFinder::sharpen(const StartPicture& picture,
   const std::size_t count = std::min(findings.size(), kMostSharpened);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     StartFinding& finding = findings[i];
-    const float noise_mm = noise_at(finding.ct_from_depth);
-    // Straight from the plane's place as well: the wider rounds may have left the right dip.
-    const Eigen::Isometry3d narrow =
-        refine_on_plane(fixed_->field,
-                        finding.scene->even,
-                        finding.on_plane,
-                        {finding.up_ct, 0.5, 0.003},
-                        {2.0F * noise_mm + 1.0F, 3.0F * noise_mm + 2.0F, true, 8});
-    const std::array<Eigen::Isometry3d, 2> starts{finding.ct_from_depth, narrow};
-    for (const auto& start : starts) {
-      if (stop.stop_requested()) return;
-      const Eigen::Isometry3d pose = refine_on_plane(fixed_->field,
-                                                     finding.scene->even,
-                                                     start,
-                                                     {finding.up_ct, 3.0, 0.02},
-                                                     close_round(noise_mm));
+    const auto keep_if_better = [&](const Eigen::Isometry3d& pose) {
       const auto agreement = verifier_.look(picture, planes, pose, kLookToleranceMm);
-      if (believed_evidence(agreement) <= finding.score) continue;
+      if (believed_evidence(agreement) <= finding.score) return;
       finding.ct_from_depth = pose;
       finding.agreement = agreement;
       finding.score = believed_evidence(agreement);
-    }
+    };
+    if (stop.stop_requested()) return;
+    keep_if_better(refine_on_plane(fixed_->field,
+                                   finding.scene->even,
+                                   finding.ct_from_depth,
+                                   {finding.up_ct, 3.0, 0.02},
+                                   close_round(noise_at(finding.ct_from_depth))));
+    // The wider rounds may have left the right dip.
+    if (stop.stop_requested()) return;
+    keep_if_better(straight_from_plane(*finding.scene, finding.on_plane, finding.up_ct));
   });
   keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
 }

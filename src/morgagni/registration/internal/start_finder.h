@@ -118,6 +118,9 @@ class StartFinder {
               const StartScene& scene,
               std::vector<StartFinding>& findings,
               const std::stop_token& stop) const;
+  [[nodiscard]] Eigen::Isometry3d straight_from_plane(const StartScene& scene,
+                                                      const Eigen::Isometry3d& on_plane,
+                                                      const Eigen::Vector3d& up_ct) const;
   void verify(const StartPicture& picture,
               const std::vector<StartPlane>& planes,
               std::vector<StartFinding>& findings,

@@ -16,8 +16,8 @@
 namespace mor::internal {
 namespace {
 
-constexpr std::size_t kMostRefined = 20;
-constexpr std::size_t kMostLookedAt = 8;
+constexpr std::size_t kMostLookedAt = 10;
+constexpr double kHopeless = -1.0;   ///< Trust that no closer fit betters enough.
 constexpr double kTwinShare = 0.01;  ///< Of the extent: poses this near are the same one.
 
 }  // namespace
@@ -47,6 +47,7 @@ SkinAgreement StartFinder::look_at(const SeenViews& views,
 void StartFinder::refine_together(const SeenViews& views,
                                   const PointCloud& standing,
                                   StartFinding& finding) const {
+  finding.score = evidence(glance_at(views, finding.ct_from_depth));
   const auto keep_if_better = [&](const Eigen::Isometry3d& pose) {
     const auto agreement = glance_at(views, pose);
     if (evidence(agreement) < finding.score) return;
@@ -68,18 +69,16 @@ void StartFinder::refine_together(const SeenViews& views,
 std::vector<StartFinding> StartFinder::judge_together(const SeenViews& views,
                                                       std::vector<StartFinding> findings) const {
   const PointCloud standing = views.standing();
-  for (auto& finding : findings) {
-    finding.score = evidence(glance_at(views, finding.ct_from_depth));
-  }
-  keep_best(findings, kMostRefined, kTwinShare * extent_mm_, bounds_);
+  // Those first that the pictures they were found in speak for: wrong ones often have more skin
+  // that agrees so-so.
+  for (auto& finding : findings) finding.score = trust(finding.agreement);
+  keep_best(findings, kMostLookedAt, kTwinShare * extent_mm_, bounds_);
   tbb::parallel_for(std::size_t{0}, findings.size(), [&](std::size_t i) {
     refine_together(views, standing, findings[i]);
-  });
-  keep_best(findings, kMostLookedAt, kSameShare * extent_mm_, bounds_);
-  tbb::parallel_for(std::size_t{0}, findings.size(), [&](std::size_t i) {
     StartFinding& finding = findings[i];
     finding.agreement = look_at(views, finding.ct_from_depth);
     finding.score = believed_evidence(finding.agreement);
+    if (trust(finding.agreement) < kHopeless) return;
     const Eigen::Isometry3d close = refine_on_plane(fixed_->field,
                                                     standing,
                                                     finding.ct_from_depth,
