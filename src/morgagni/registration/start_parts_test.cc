@@ -193,7 +193,7 @@ TEST(StartDecision, IsAmbiguousBesideAnotherPoseOrTheMirrorImage) {
   EXPECT_EQ(status_of(look, 1.0), AutomaticStartStatus::kAmbiguous);
   EXPECT_EQ(status_of(look, 0.1, 1.05), AutomaticStartStatus::kAmbiguous);
   EXPECT_THAT(decide_start({look, 0.1, 1.05}).reason, testing::HasSubstr("mirror image"));
-  EXPECT_EQ(status_of(look, 0.1, 0.9), AutomaticStartStatus::kFound);
+  EXPECT_EQ(status_of(look, 0.1, 0.5), AutomaticStartStatus::kFound);
   look.uneven_mm = 0.7;  // With little to spare, a mirror image that fits half as well is too much.
   EXPECT_EQ(status_of(look, 0.1, 0.0), AutomaticStartStatus::kFound);
   EXPECT_EQ(status_of(look, 0.1, 0.5), AutomaticStartStatus::kAmbiguous);

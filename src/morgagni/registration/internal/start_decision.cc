@@ -23,10 +23,7 @@ constexpr double kHardlyAgrees = 0.35;  ///< or from here down.
 constexpr double kRunnerUpDoubt = 0.4;  ///< What a runner-up of equal evidence weighs.
 constexpr double kTriesDoubt = 0.05;    ///< Where it is not the first picture.
 constexpr double kMostDoubt = 0.75;     ///< All together.
-/// The mirror image must not fit as well: then the CT may be mirrored. And the better it fits, the
-/// less doubt of other kinds there may be.
-constexpr double kMostMirrored = 1.0;
-constexpr double kMirroredDoubt = 0.2;
+constexpr double kMostMirrored = 1.0;   ///< Where it fits as well, the CT may be mirrored.
 
 struct Doubts {
   double floating = 0.0;
@@ -122,7 +119,8 @@ StartVerdict decide_start(const StartCase& best) {
             fmt::format("another pose explains the picture {:.0f} % as well: show more of the body",
                         100.0 * best.runner_up_share)};
   }
-  if (best.mirrored_share >= kMostMirrored || left < kMirroredDoubt * best.mirrored_share) {
+  // Where it fits less well it is a rival like any other.
+  if (best.mirrored_share >= kMostMirrored || left < kRunnerUpDoubt * best.mirrored_share) {
     return {AutomaticStartStatus::kAmbiguous,
             "the CT's mirror image explains the picture too: show more of the body, and if that "
             "does not help, see whether the CT is the right way round"};
