@@ -11,13 +11,12 @@
 
 #include "morgagni/depth/internal/depth_grid.h"
 #include "morgagni/depth/internal/grid_normals.h"
+#include "morgagni/depth/internal/reading_average.h"
 #include "morgagni/geometry/depth_levels.h"
 
 namespace mor {
 namespace {
 
-/// Readings farther apart in depth are not averaged.
-constexpr float kSameSurfaceMm = 12.0F;
 constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 
 /// The pixels that are looked at along one side: 0, round(factor), round(2 factor), ...
@@ -88,10 +87,6 @@ struct BodySurfaceExtractor::Impl {
   void back_project(ImageView<const std::uint16_t> depth_mm);
   [[nodiscard]] std::size_t grow_from(std::optional<Eigen::Vector2d> seed_px);
   [[nodiscard]] std::size_t grow_around(std::span<const Eigen::Vector3d> expected);
-  [[nodiscard]] float mean_around(ImageView<const std::uint16_t> depth_mm,
-                                  int column,
-                                  int row,
-                                  int reach_px) const;
   void average(ImageView<const std::uint16_t> depth_mm);
   [[nodiscard]] BodySurface surface(ImageView<const std::uint16_t> depth_mm, std::size_t count);
   void add_vertices(std::size_t count, PointCloud& cloud);
@@ -106,6 +101,7 @@ struct BodySurfaceExtractor::Impl {
   internal::DepthGrid grid;
   internal::RegionGrower grower;
   internal::GridNormals normals;
+  internal::ReadingAverage averages;
   std::vector<std::uint8_t> edges, edges_before, mask;
   std::vector<std::uint32_t> vertex_of_pixel;
 };
@@ -119,7 +115,11 @@ BodySurfaceExtractor::Impl::Impl(const PinholeCamera& depth_camera,
       normals(camera,
               options.down_sampling,
               static_cast<int>(columns.size()),
-              static_cast<int>(rows.size())) {
+              static_cast<int>(rows.size())),
+      averages(camera,
+               options.down_sampling,
+               static_cast<int>(columns.size()),
+               static_cast<int>(rows.size())) {
   grid.width = static_cast<int>(columns.size());
   grid.height = static_cast<int>(rows.size());
   const std::size_t count = columns.size() * rows.size();
@@ -197,52 +197,11 @@ std::size_t BodySurfaceExtractor::Impl::grow_around(std::span<const Eigen::Vecto
   return grower.grow(grid, edges, places, mask);
 }
 
-/// The mean depth of a pixel and those around it, up to `reach_px` away. They come in pairs on
-/// either side of it, so that a slope moves nothing; a pair counts where both are of its surface.
-float BodySurfaceExtractor::Impl::mean_around(ImageView<const std::uint16_t> depth_mm,
-                                              int column,
-                                              int row,
-                                              int reach_px) const {
-  const float center_mm = levels.mm(depth_mm(column, row));
-  float sum_mm = center_mm;
-  float count = 1.0F;
-  for (int v = -reach_px; v <= 0; ++v) {
-    const std::uint16_t* above = depth_mm.row(row + v) + column;
-    const std::uint16_t* below = depth_mm.row(row - v) + column;
-    const int end = v == 0 ? 0 : reach_px + 1;
-    for (int u = -reach_px; u < end; ++u) {
-      const float one_mm = levels.mm(above[u]);
-      const float other_mm = levels.mm(below[-u]);
-      const bool same = std::abs(one_mm - center_mm) <= kSameSurfaceMm &&
-                        std::abs(other_mm - center_mm) <= kSameSurfaceMm;
-      sum_mm += same ? one_mm + other_mm : 0.0F;
-      count += same ? 2.0F : 0.0F;
-    }
-  }
-  return sum_mm / count;
-}
-
 /// Puts the pixels in the mask where the mean of the readings around them lies, and cuts the edges
 /// that this makes too long.
 void BodySurfaceExtractor::Impl::average(ImageView<const std::uint16_t> depth_mm) {
-  const int reach_px = static_cast<int>(options.down_sampling / 2.0);
-  if (reach_px == 0) return;
-  const auto inside = [reach_px](int pixel, int size) {
-    return pixel >= reach_px && pixel + reach_px < size;
-  };
-  std::size_t i = 0;
-  for (const int row : rows) {
-    for (const int column : columns) {
-      const std::size_t pixel = i++;
-      if (mask[pixel] == 0 || !inside(row, camera.height_px) || !inside(column, camera.width_px)) {
-        continue;
-      }
-      const float mean_mm = mean_around(depth_mm, column, row, reach_px);
-      grid.z[pixel] = mean_mm;
-      grid.x[pixel] = ray_x[pixel] * mean_mm;
-      grid.y[pixel] = ray_y[pixel] * mean_mm;
-    }
-  }
+  averages.put_at_means(depth_mm, levels, mask, grid);
+  averages.undo_flattening(edges, mask, grid);
   edges_before = edges;
   internal::connect_neighbors(grid, static_cast<float>(options.max_edge_mm), edges);
   for (std::size_t k = 0; k < edges.size(); ++k) edges[k] &= edges_before[k];
@@ -253,7 +212,7 @@ BodySurface BodySurfaceExtractor::Impl::surface(ImageView<const std::uint16_t> d
                                                 std::size_t count) {
   BodySurface surface;
   if (count == 0) return surface;
-  if (options.averages) average(depth_mm);
+  if (options.averages && options.down_sampling > 1.0) average(depth_mm);
   normals.fit(grid.z, mask);
   add_vertices(count, surface.cloud);
   add_triangles(count, surface.triangles);

@@ -21,7 +21,7 @@ struct BodySurfaceOptions {
   double near_mm = 0.0;       ///< d_near: nearer readings are dropped. >= 0.
   double far_mm = 1000.0;     ///< d_far: farther readings are dropped. > near_mm.
   double max_edge_mm = 10.0;  ///< d_triangulation: neighbours farther apart are not connected. > 0.
-  double down_sampling = 2.5;  ///< Every so many pixels, both ways, fractions allowed. [1, 4].
+  double down_sampling = 2.0;  ///< Every so many pixels, both ways, fractions allowed. [1, 4].
 
   /// A point is the mean of the reading at its pixel and those around it that no other point takes,
   /// as far as they are of one surface; false: that reading alone, as the paper has it. Without

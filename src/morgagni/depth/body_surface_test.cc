@@ -107,7 +107,7 @@ TEST(BodySurface, GivesTheNormalsOfASphere) {
 }
 
 TEST(BodySurface, AveragesTheReadingsBetweenItsPoints) {
-  // Head on, noise of even steps: the mean of nine has a third of it.
+  // Head on, noise of even steps.
   DepthImage image(kKinect.width_px, kKinect.height_px, 800);
   std::mt19937 random(7);
   for (int y = 0; y < image.height(); ++y) {
@@ -124,7 +124,47 @@ TEST(BodySurface, AveragesTheReadingsBetweenItsPoints) {
     return std::sqrt(sum_sq / static_cast<double>(surface.cloud.size()));
   };
   EXPECT_NEAR(deviation_mm(false), 2.0, 0.05);
-  EXPECT_NEAR(deviation_mm(true), 2.0 / 3.0, 0.03);
+  // A reading that belongs to one point and one that two or four share: 3/8 of it, and a fifth more
+  // by what is taken from the neighbours.
+  EXPECT_NEAR(deviation_mm(true), 0.455 * 2.0, 0.03);
+}
+
+TEST(BodySurface, WeighsAllReadingsAlike) {
+  // One column, then the next, is 4 mm farther: whichever it is, the mean over the surface moves as
+  // much.
+  for (const double factor : {1.5, 2.0, 2.5, 3.0, 3.5, 4.0}) {
+    for (int column = 300; column < 306; ++column) {
+      DepthImage image(kKinect.width_px, kKinect.height_px, 800);
+      for (int y = 0; y < image.height(); ++y) image(column, y) = 804;
+      double sum_mm = 0.0;
+      for (const auto& point : extract(image, {.down_sampling = factor}).cloud.points) {
+        sum_mm += static_cast<double>(point.z()) - 800.0;
+      }
+      // Readings stand for factor^2 pixels; the picture's first and last row have no box of theirs.
+      const double total_mm = sum_mm * factor * factor / image.height();
+      EXPECT_NEAR(total_mm, 4.0, 0.2) << factor << ", column " << column;
+    }
+  }
+}
+
+TEST(BodySurface, LeavesACurvedSurfaceWhereItIs) {
+  // The mean over a pixel's neighbours lies inside a sphere: by 0.03 mm here, were it left so.
+  const Eigen::Vector3d center(0.0, 0.0, 800.0);
+  const DepthImage image = sphere_image(center, 40.0);
+  const auto off_mm = [&](double factor) {
+    double sum = 0.0;
+    int count = 0;
+    for (const auto& point : extract(image, {.down_sampling = factor}).cloud.points) {
+      const Eigen::Vector3d from_center = point.cast<double>() - center;
+      if (from_center.z() > -25.0) continue;
+      sum += from_center.norm() - 40.0;
+      ++count;
+    }
+    EXPECT_GT(count, 150);
+    return sum / count;
+  };
+  EXPECT_NEAR(off_mm(2.0), 0.0, 0.012);
+  EXPECT_NEAR(off_mm(2.5), 0.0, 0.015);
 }
 
 TEST(BodySurface, TakesTheRoundingOfADisparitySensorOut) {
@@ -142,7 +182,8 @@ TEST(BodySurface, TakesTheRoundingOfADisparitySensorOut) {
       image(x, y) = static_cast<std::uint16_t>(std::lround(kK / step));
     }
   }
-  const BodySurface surface = extract(image, {.far_mm = 1500.0, .max_edge_mm = 30.0});
+  const BodySurface surface =
+      extract(image, {.far_mm = 1500.0, .max_edge_mm = 30.0, .down_sampling = 2.5});
   // Over 20 mm of depth there are few steps: their rounding shows as up to 0.3 mm. The noise of a
   // band's mean is 0.03 mm.
   std::map<int, std::pair<double, int>> off_mm;

@@ -42,7 +42,7 @@ Result<RegistrationResult> FieldRegistration::align(const PointCloud& moving,
                          ? follow(alignment, options_.max_iterations)
                          : FieldSearch(alignment, probe_, moving, options_.max_iterations).run();
   if (found) static_cast<void>(alignment.run(kFinish, options_.max_iterations));
-  return alignment.finish(kFinalRule);
+  return alignment.finish(kLastRule);
 }
 
 }  // namespace mor::internal

@@ -47,7 +47,10 @@ inline constexpr std::array<Stage, 2> kRefinement = {{
 /// How a pose is judged: by rows of readings that lie along the skin to within half of a single
 /// reading's noise. Cloth and clutter that a pose has settled on do not, however many they are.
 inline constexpr Stage kCloseLook = {{3.0F, 3.0F, 0.7F, 0.5F, 0.5F}, true, PointShare::kRuns};
-/// Last, once.
-inline constexpr Stage kFinish = {kFinalRule, true, PointShare::kAll, 3, 0.05};
+/// Last, once, by which the result is judged too. The pose is right by now, so that normals tell
+/// little any more: those of ears, nose and outline are the least exact, and what lies there says
+/// most about the turn of a head.
+inline constexpr PairingRule kLastRule = {4.0F, 4.0F, 0.3F, 2.0F, 2.0F};
+inline constexpr Stage kFinish = {kLastRule, true, PointShare::kAll, 3, 0.05};
 
 }  // namespace mor::internal
