@@ -200,6 +200,23 @@ TEST(FieldRegistration, IsNotPulledAwayByClutterAboveTheSkin) {
   EXPECT_LT(result.explained_fraction, 0.85);
 }
 
+TEST(FieldRegistration, TellsASurfaceThatCrossesTheSkinInWaves) {
+  const auto registration = make(RegistrationMethod::kField);
+  const Eigen::Isometry3d truth = internal::camera_before_body();
+  const PointCloud noisy = with_noise(internal::seen_by_camera(body()->mesh, truth), 0.5F, 5);
+  const auto unevenness = [&](auto wave_mm) {
+    PointCloud moving = noisy;
+    for (auto& point : moving.points) point += wave_mm(point) * point.normalized();
+    return registration->align(moving, truth, StartQuality::kTracked)->information->unevenness;
+  };
+  EXPECT_NEAR(unevenness([](const Eigen::Vector3f&) { return 0.0F; }), 1.0, 0.5);
+  // A sensor's error, slow over the picture.
+  EXPECT_LT(unevenness([](const Eigen::Vector3f& p) { return 2.0F * std::sin(p.x() / 150.0F); }),
+            2.5);
+  EXPECT_GT(unevenness([](const Eigen::Vector3f& p) { return 1.5F * std::sin(p.x() / 12.0F); }),
+            3.0);
+}
+
 TEST(FieldRegistration, ReportsASphereAsDegenerateAndHoldsTheOpenDirections) {
   auto surface = std::make_shared<FixedSurface>();
   surface->mesh = internal::bumpy_body(100, Eigen::Vector3f::Zero());

@@ -17,6 +17,10 @@ struct PoseInformation {
   /// Root mean square of the distances over their expected standard deviations: 1 where the noise
   /// model explains the residual.
   double residual_scale = 0.0;
+  /// How far apart the mean distances of neighbouring rows of points are, as a variance over that of
+  /// the points' own noise: 1 to 2 where they follow the surface, more where they cross it in
+  /// waves. A sensor's slow error does not show in it. 0 where there are no rows.
+  double unevenness = 0.0;
   int num_pairs = 0;
   /// Share of all moving points that is not near the surface, 0..1: clutter, some of which is
   /// mistaken for the surface where it touches it.

@@ -99,7 +99,8 @@ Result<void> JudgementLimits::check() const {
   MOR_CHECK(check_pair("explained_fraction", explained_fraction, true));
   MOR_CHECK(check_pair("floating_fraction", floating_fraction, false));
   MOR_CHECK(check_pair("behind_fraction", behind_fraction, false));
-  return check_pair("residual_scale", residual_scale, false);
+  MOR_CHECK(check_pair("residual_scale", residual_scale, false));
+  return check_pair("unevenness", unevenness, false);
 }
 
 Judgement judge_evidence(const FrameEvidence& evidence, const JudgementLimits& limits) {
@@ -116,6 +117,7 @@ Judgement judge_evidence(const FrameEvidence& evidence, const JudgementLimits& l
   judge.at_most(Doubt::kFloating, skin.floating_fraction(), limits.floating_fraction);
   judge.at_most(Doubt::kResidual, skin.behind_fraction(), limits.behind_fraction);
   judge.at_most(Doubt::kResidual, result.information->residual_scale, limits.residual_scale);
+  judge.at_most(Doubt::kResidual, result.information->unevenness, limits.unevenness);
   if (is_open(evidence, limits)) judge.doubt(Doubt::kOpenDirection, Verdict::kWeak);
   if (jumped(evidence, limits)) judge.doubt(Doubt::kJump, Verdict::kWeak);
   return judge.judgement();

@@ -65,7 +65,9 @@ struct JudgementLimits {
   Pair floating_fraction = {0.04, 0.10};   ///< At most. Of the skin that nothing covers.
   Pair behind_fraction = {0.03, 0.12};     ///< At most. Of the patches of skin seen.
   Pair residual_scale = {2.0, 4.0};        ///< At most. Residual over the sensor's noise.
-  double open_bound_mm = 5.0;              ///< A larger error bound at the skin seen is weak.
+  /// At most. Right poses have 1 to 2, with a sensor's bias too; a hand fitted as skin had 7.
+  Pair unevenness = {3.0, 10.0};
+  double open_bound_mm = 5.0;  ///< A larger error bound at the skin seen is weak.
   double flat_mm = 5.0;  ///< A surface that leaves its plane by less, root mean square, is weak.
   double speed_mm_per_s = 1500.0;  ///< Of the skin seen, against the camera. Faster is weak.
   double turn_rad_per_s = 3.0;     ///< Faster is weak.

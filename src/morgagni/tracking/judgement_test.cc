@@ -96,6 +96,17 @@ TEST(JudgeEvidence, TheResidualAlone) {
   EXPECT_EQ(frame.judged().verdict, Verdict::kBad);
 }
 
+TEST(JudgeEvidence, AResidualInWavesAlone) {
+  Frame frame;
+  frame.result.information->unevenness = 2.0;
+  EXPECT_EQ(frame.judged().verdict, Verdict::kGood);
+  frame.result.information->unevenness = 4.0;
+  EXPECT_EQ(frame.judged().verdict, Verdict::kWeak);
+  frame.result.information->unevenness = 12.0;
+  EXPECT_EQ(frame.judged().verdict, Verdict::kBad);
+  EXPECT_THAT(frame.judged().doubts, ElementsAre(Doubt::kResidual));
+}
+
 TEST(JudgeEvidence, SkinBeforeWhatIsSeenByMillimetresAlone) {
   Frame frame;
   frame.skin.num_behind = 15;

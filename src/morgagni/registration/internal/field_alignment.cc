@@ -25,6 +25,11 @@ constexpr std::size_t kRunPoints = 3000;
 /// count as one when the data is weighed against the start.
 constexpr double kCorrelatedReadings = 10.0;
 constexpr int kMinPairs = 30;
+/// The variance of the difference of two rows' means over that of a point, were points independent.
+constexpr double kRowsShare = 2.0 / (2 * kRowReach + 1);
+/// A sensor may be better than the noise model, the skin's own facets are not: points scatter by
+/// this at least, over the variance of a single reading.
+constexpr double kLeastMeanSq = 0.1;
 /// A direction in which the data fixes the pose to no better than this is open.
 constexpr double kOpenSigmaMm = 3.0;
 
@@ -192,12 +197,15 @@ RegistrationResult FieldAlignment::finish(const PairingRule& rule) {
   }
   if (equations.sum_weights > 0.0) {
     result.rms_distance_mm = std::sqrt(equations.sum_weighted_sq / equations.sum_weights);
-    result.information = PoseInformation{
-        .matrix = equations.information,
-        .pivot_mm = pivot(),
-        .residual_scale = std::sqrt(equations.sum_weighted_sq / equations.num_pairs),
-        .num_pairs = equations.num_pairs,
-        .unexplained_fraction = 1.0 - result.explained_fraction};
+    const double mean_sq = equations.sum_weighted_sq / equations.num_pairs;
+    result.information =
+        PoseInformation{.matrix = equations.information,
+                        .pivot_mm = pivot(),
+                        .residual_scale = std::sqrt(mean_sq),
+                        .unevenness = linearizer_.mean_sq_between_rows(all_) /
+                                      (kRowsShare * std::max(mean_sq, kLeastMeanSq)),
+                        .num_pairs = equations.num_pairs,
+                        .unexplained_fraction = 1.0 - result.explained_fraction};
   }
   if (equations.num_pairs < kMinPairs) {
     result.status = RegistrationStatus::kTooFewPairs;

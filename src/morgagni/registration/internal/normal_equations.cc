@@ -218,6 +218,38 @@ void Linearizer::weigh_by_rows(const SensorPoints& points, const PairingRule& ru
   }
 }
 
+double Linearizer::mean_sq_between_rows(const SensorPoints& points) const {
+  constexpr std::size_t kRow = 2 * kRowReach + 1;
+  // Of the pairs before each: the sum of their distances, and their number.
+  std::vector<double> sums_mm = {0.0};
+  std::vector<std::size_t> counts = {0};
+  for (std::size_t i = 0; i < points.size; ++i) {
+    const PairLanes& pair = pairs_[i / kLanes];
+    const auto lane = static_cast<int>(i % kLanes);
+    const bool is_pair = pair.weight[lane] > 0.0F;
+    sums_mm.push_back(sums_mm.back() +
+                      (is_pair ? static_cast<double>(pair.distance_mm[lane]) : 0.0));
+    counts.push_back(counts.back() + (is_pair ? 1 : 0));
+  }
+  double sum = 0.0;
+  double count = 0.0;
+  for (std::size_t i = kRowReach; i + kRowReach + kRow < points.size; ++i) {
+    const std::size_t begin = i - kRowReach;
+    const bool is_one_surface =
+        points.rows[i].before == kRowReach && points.rows[i].after == kRowReach &&
+        points.rows[i + kRowReach].after > 0 && points.rows[i + kRow].before == kRowReach &&
+        points.rows[i + kRow].after == kRowReach;
+    if (!is_one_surface || counts[begin + 2 * kRow] - counts[begin] < 2 * kRow) continue;
+    const double apart_mm =
+        (sums_mm[begin + 2 * kRow] - 2.0 * sums_mm[begin + kRow] + sums_mm[begin]) / kRow;
+    // A point's weight is 1 / its variance.
+    const auto lane = static_cast<int>(i % kLanes);
+    sum += static_cast<double>(points.groups[i / kLanes].weight[lane]) * apart_mm * apart_mm;
+    count += 1.0;
+  }
+  return count > 0.0 ? sum / count : 0.0;
+}
+
 NormalEquations Linearizer::linearize(const FieldLevel& level,
                                       const SensorPoints& points,
                                       const Eigen::Isometry3d& fixed_from_moving,

@@ -51,6 +51,12 @@ class Linearizer {
                                           const Eigen::Vector3d& pivot,
                                           const PairingRule& rule);
 
+  /// Of the pairs last linearized: the mean square of how far apart the mean distances of two
+  /// neighbouring rows of points are, in standard deviations of a single reading. 0 where there are
+  /// no two whole rows side by side.
+  /// @param points  As given there.
+  [[nodiscard]] double mean_sq_between_rows(const SensorPoints& points) const;
+
  private:
   /// Moving points in the CT with what the field says there.
   struct PairLanes {

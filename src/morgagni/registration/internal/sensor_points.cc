@@ -12,8 +12,7 @@ namespace {
 constexpr float kGrazingCosine = 0.17F;  // 80 degrees
 constexpr float kFrontalCosine = 0.42F;  // 65 degrees
 
-/// How many neighbours a row reaches to either side, and the widest gap it goes over.
-constexpr std::size_t kRowReach = 3;
+/// The widest gap that a row goes over.
 constexpr float kRowGapMm = 15.0F;
 
 template <class Number>

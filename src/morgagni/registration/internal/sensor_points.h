@@ -23,6 +23,9 @@ struct PointLanes {
   Lanes weight;
 };
 
+/// A row of points reaches so far to either side of one.
+inline constexpr std::size_t kRowReach = 3;
+
 /// The points before and after a point in the picture's row that are averaged with it.
 struct RowReach {
   std::uint8_t before = 0;
