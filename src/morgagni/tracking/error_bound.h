@@ -21,8 +21,8 @@ struct PoseCovariance {
 struct BoundCalibration {
   /// Readings err together with their neighbours: so many of them count as one. > 0.
   double correlated_readings = 1.0;
-  /// A residual over the noise of single readings that is smaller is taken as this: the mean of
-  /// nine readings leaves a third. > 0.
+  /// A residual over the noise of single readings that is smaller is taken as this: points are
+  /// means of some readings and have two fifths of it. > 0.
   double least_residual_scale = 1.0;
   /// By how much the variance grows, times the share of the points that is not explained: clutter
   /// that touches the skin is mistaken for it in part. >= 0.
