@@ -23,9 +23,9 @@ struct BodySurfaceOptions {
   double max_edge_mm = 10.0;  ///< d_triangulation: neighbours farther apart are not connected. > 0.
   double down_sampling = 2.0;  ///< Every so many pixels, both ways, fractions allowed. [1, 4].
 
-  /// A point is the mean of the reading at its pixel and those around it that no other point takes,
-  /// as far as they are of one surface; false: that reading alone, as the paper has it. Without
-  /// down-sampling there are none to average.
+  /// A point is the mean of the readings around it, as far as they are of one surface, each of which
+  /// counts once over all points; a curved surface stays where it is. false: the reading at its
+  /// pixel alone, as the paper has it. Without down-sampling there are none to average.
   bool averages = true;
 
   [[nodiscard]] Result<void> check() const;
@@ -55,7 +55,7 @@ class BodySurfaceExtractor {
   /// @return An empty surface where nothing is in range: no body in view is not an error.
   /// @errors kInvalidArgument: a size unlike the camera's.
   /// @threads One call at a time: keeps its buffers between frames.
-  /// @cost At 640x480 on one thread about 2 ms at a down-sampling of 2.5, 10 ms at 1
+  /// @cost At 640x480 on one thread about 3 ms at a down-sampling of 2, 10 ms at 1
   /// (depth_benchmark).
   [[nodiscard]] Result<BodySurface> extract(ImageView<const std::uint16_t> depth_mm,
                                             std::optional<Eigen::Vector2d> seed_px = std::nullopt);

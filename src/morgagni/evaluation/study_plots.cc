@@ -89,7 +89,9 @@ void draw_strips(Svg& svg,
       const SvgPoint at{x + 0.4 * step * (aside - 0.5), y.px(strip.values[k])};
       svg.dot(at, 3.5, strip.color, strip.filled);
       if (strip.values[k] > most) {
-        svg.text({at.x, at.y - 6.0}, fmt::format("{:.0f}", strip.values[k]), "middle", 9.0);
+        // One above, one below: neighbours' figures would run into each other.
+        const double down = k % 2 == 0 ? -6.0 : 14.0;
+        svg.text({at.x, at.y + down}, fmt::format("{:.0f}", strip.values[k]), "middle", 9.0);
       }
     }
     const auto comma = strip.label.find(", ");
@@ -236,6 +238,7 @@ std::string down_sampling_plot(const StudiesReport& report) {
   return svg.finish();
 }
 
+constexpr double kLeastErrorMm = 0.01;
 constexpr double kMostErrorMm = 100.0;
 
 /// The share of poses below each error: from the lower left to the right, as far as the panel goes.
@@ -268,10 +271,10 @@ std::string distribution_plot(const StudiesReport& report) {
   std::vector<Curve> legend;
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const double left = 60.0 + 180.0 * static_cast<double>(i);
-    const SvgAxis x(0.1, kMostErrorMm, left, left + kWidth, true);
+    const SvgAxis x(kLeastErrorMm, kMostErrorMm, left, left + kWidth, true);
     draw_panel(svg, {left, kTop}, kWidth, kHeight, y);
     svg.text({left, 26.0}, panels[i].second, "start", 14.0, true);
-    for (const double tick : {0.1, 1.0, 10.0, 100.0}) {
+    for (const double tick : {0.01, 0.1, 1.0, 10.0, 100.0}) {
       svg.line({x.px(tick), kTop}, {x.px(tick), kTop + kHeight}, kGrid);
       svg.text({x.px(tick), kTop + kHeight + 17.0}, fmt::format("{:g}", tick), "middle", 11.0);
     }
@@ -280,7 +283,7 @@ std::string distribution_plot(const StudiesReport& report) {
       if (column.runs.empty()) continue;
       legend.push_back(distribution(column));
       std::vector<SvgPoint> points;
-      points.push_back({x.px(0.1), y.px(0.0)});
+      points.push_back({x.px(kLeastErrorMm), y.px(0.0)});
       for (const auto& value : legend.back().values) {
         points.push_back({x.px(value.x), y.px(value.y)});
       }

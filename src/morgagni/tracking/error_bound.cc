@@ -32,7 +32,7 @@ double chi_square_95(double degrees) {
 }  // namespace
 
 BoundCalibration default_bound_calibration() {
-  return {.correlated_readings = 1.6,
+  return {.correlated_readings = 1.7,
           .least_residual_scale = 0.37,
           .clutter_growth = 0.5,
           .systematic_mm = 0.0,
