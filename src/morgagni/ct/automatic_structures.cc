@@ -207,7 +207,10 @@ Result<std::vector<StructureSurface>> extract_automatic_structures(
     const auto [box, inside] = cut_out(body, found);
     auto mesh = internal::marching_cubes(box, inside, found.threshold_hu);
     report(begin + 0.05);
-    internal::finish_surface(mesh, options.num_triangles, [&] { report(begin + 0.1); });
+    internal::finish_surface(
+        mesh, box, {.num_triangles = options.num_triangles, .when_smooth = [&] {
+                      report(begin + 0.1);
+                    }});
     if (!mesh.empty()) surfaces.push_back({found.name, found.color, std::move(mesh)});
   }
   report(1.0);

@@ -64,7 +64,8 @@ Result<TriangleMesh> extract_bone(const Volume& body,
   report(0.3);
   TriangleMesh mesh = internal::marching_cubes(body, bone, options.threshold_hu);
   report(0.5);
-  internal::finish_surface(mesh, options.num_triangles, [&] { report(0.7); });
+  internal::finish_surface(
+      mesh, body, {.num_triangles = options.num_triangles, .when_smooth = [&] { report(0.7); }});
   report(1.0);
   return mesh;
 }

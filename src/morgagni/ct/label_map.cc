@@ -84,12 +84,29 @@ void blur_along(Volume& part, int axis) {
   part.hu = std::move(blurred);
 }
 
+/// No voxel of the label blurs away: what is a voxel thin would lie in a plane.
+void keep_sides(Volume& part, const internal::BitMask& inside) {
+  constexpr std::int16_t kLeastInside = 750;
+  constexpr std::int16_t kMostOutside = 250;
+  for (int z = 0; z < part.size[2]; ++z) {
+    for (int y = 0; y < part.size[1]; ++y) {
+      for (int x = 0; x < part.size[0]; ++x) {
+        auto& share = part.hu[part.index(x, y, z)];
+        share =
+            inside.test(x, y, z) ? std::max(share, kLeastInside) : std::min(share, kMostOutside);
+      }
+    }
+  }
+}
+
 TriangleMesh surface_of(Volume part, int num_triangles) {
   constexpr double kHalf = 500.0;
   const auto inside = internal::threshold(part, kHalf, 32767.0);
   for (int axis = 0; axis < 3; ++axis) blur_along(part, axis);
+  keep_sides(part, inside);
   TriangleMesh mesh = internal::marching_cubes(part, inside, kHalf);
-  internal::finish_surface(mesh, num_triangles);
+  const double volume_mm3 = static_cast<double>(inside.count()) * part.spacing_mm.prod();
+  internal::finish_surface(mesh, part, {.num_triangles = num_triangles, .volume_mm3 = volume_mm3});
   return mesh;
 }
 

@@ -68,6 +68,60 @@ TEST(ExtractLabels, ClosesAStructureAtTheVolumesFace) {
   EXPECT_EQ(mesh_topology(surfaces->front().mesh).num_open_edges, 0);
 }
 
+/// A thing of known shape in voxels of 1 mm, slanted against them.
+struct Thin {
+  const char* name;
+  std::function<double(const Eigen::Vector3d&)> depth_mm;  ///< Positive inside.
+};
+
+/// Smoothing must not waste away what is a few voxels thin.
+TEST(ExtractLabels, KeepsThinSheetsAndRods) {
+  const Eigen::Vector3d middle(40, 40, 40);
+  const Eigen::Vector3d along = Eigen::Vector3d(0.2, 0.3, 1.0).normalized();
+  const auto sheet = [&](double thick_mm) {
+    return [=](const Eigen::Vector3d& place) {
+      const Eigen::Vector3d from = place - middle;
+      const double high_mm = from.dot(along);
+      return std::min(0.5 * thick_mm - std::abs(high_mm), 30.0 - (from - high_mm * along).norm());
+    };
+  };
+  const auto rod = [&](double thick_mm) {
+    return [=](const Eigen::Vector3d& place) {
+      const Eigen::Vector3d from = place - middle;
+      const double high_mm = from.dot(along);
+      return std::min(0.5 * thick_mm - (from - high_mm * along).norm(), 30.0 - std::abs(high_mm));
+    };
+  };
+  const auto one_voxel = [&](const Eigen::Vector3d& place) {
+    const Eigen::Vector3d from = place - middle;
+    return std::min(0.5 - std::abs(from.z()), 30.0 - from.head<2>().norm());
+  };
+  for (const Thin& thin : {Thin{"sheet of one voxel", one_voxel},
+                           Thin{"sheet of 2 mm", sheet(2.0)},
+                           Thin{"sheet of 3 mm", sheet(3.0)},
+                           Thin{"rod of 3 mm", rod(3.0)},
+                           Thin{"rod of 5 mm", rod(5.0)}}) {
+    const LabelMap labels = {labels_of({81, 81, 81},
+                                       [&](int x, int y, int z) {
+                                         return thin.depth_mm(Eigen::Vector3d(x, y, z)) > 0.0 ? 1
+                                                                                              : 0;
+                                       }),
+                             {}};
+    const auto num_voxels =
+        static_cast<double>(std::count(labels.voxels.hu.begin(), labels.voxels.hu.end(), 1));
+    const auto surfaces = extract_labels(labels, {}, {});
+    ASSERT_TRUE(surfaces) << thin.name;
+    const auto& mesh = surfaces->front().mesh;
+    EXPECT_NEAR(enclosed_volume_mm3(mesh) / num_voxels, 1.0, 0.03) << thin.name;
+    double worst_mm = 0.0;
+    for (const auto& vertex : mesh.vertices)
+      worst_mm = std::max(worst_mm, std::abs(thin.depth_mm(vertex.cast<double>())));
+    EXPECT_LT(worst_mm, 0.5) << thin.name;
+    EXPECT_EQ(mesh_topology(mesh).num_components, 1) << thin.name;
+    EXPECT_EQ(mesh_topology(mesh).num_open_edges, 0) << thin.name;
+  }
+}
+
 TEST(ExtractLabels, SaysWhatIsWrong) {
   const auto message = [](const LabelMap& labels, const LabelSurfaceOptions& options = {}) {
     const auto surfaces = extract_labels(labels, options, {});
