@@ -137,7 +137,9 @@ Image<Rgb8> BodyCheck::slice(BodyPlane plane, double position, int height_px) co
 
 TriangleMesh BodyCheck::skin() const {
   if (!found_) return {};
-  return internal::marching_cubes(coarse_, found_->mask.body, found_->options.threshold_hu);
+  const auto& mask = found_->mask;
+  const Volume& bare = mask.uncovered.hu.empty() ? coarse_ : mask.uncovered;
+  return internal::marching_cubes(bare, mask.body, found_->options.threshold_hu);
 }
 
 TriangleMesh BodyCheck::part_surface(std::size_t part) const {

@@ -67,8 +67,9 @@ Result<SkinSurfaces> extract_skin(const Volume& volume,
   MOR_TRY(const auto body, internal::body_mask(volume, body_options(options), progress));
   SkinSurfaces surfaces;
   if (progress) progress("surface", 0.0);
-  surfaces.full = internal::marching_cubes(volume, body.body, options.threshold_hu);
-  surfaces.body = internal::body_volume(volume, body.body);
+  const Volume& bare = body.uncovered.hu.empty() ? volume : body.uncovered;
+  surfaces.full = internal::marching_cubes(bare, body.body, options.threshold_hu);
+  surfaces.body = internal::body_volume(bare, body.body);
   if (progress) progress("surface", 1.0);
   surfaces.preview = preview_of(volume, body);
   const AcvdOptions remeshing = {options.num_vertices, options.sub_sampling, options.gradation};

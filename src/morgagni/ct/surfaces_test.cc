@@ -112,6 +112,37 @@ TEST(ExtractSkin, TellsGasInTheFatFromABlanket) {
   EXPECT_NEAR(reach_mm(trunk_with_light_layer(-1.0)), 25.0, 1.5);
 }
 
+/// Where cloth touches it, the skin lies where it lies bare: to a part of a voxel.
+TEST(ExtractSkin, PutsTheSkinUnderABlanketWhereItLiesBare) {
+  constexpr double kSkinMm = 30.0;
+  for (const double cloth_hu : {-400.0, -250.0, -150.0, 500.0}) {
+    auto volume = make_volume(100, 1.0, [](const Eigen::Vector3d& place) {
+      return kSkinMm - std::hypot(place.x(), place.y());
+    });
+    for (int z = 0; z < volume.size[2]; ++z) {
+      for (int y = 0; y < volume.size[1]; ++y) {
+        for (int x = 0; x < volume.size[0]; ++x) {
+          const Eigen::Vector3d place = volume.ct_from_grid * Eigen::Vector3d(x, y, z);
+          const double beneath_mm = 42.0 - std::hypot(place.x(), place.y());
+          const double cloth = std::clamp(std::min(beneath_mm, place.x()) + 0.5, 0.0, 1.0);
+          auto& hu = volume.hu[volume.index(x, y, z)];
+          const double air = (kTissueHu - hu) / static_cast<double>(kTissueHu - kAirHu);
+          hu = static_cast<std::int16_t>(std::lround(hu + cloth * air * (cloth_hu - kAirHu)));
+        }
+      }
+    }
+    const auto skin = extract_skin(volume, kQuick, {});
+    ASSERT_TRUE(skin) << skin.error().message;
+    std::vector<double> errors_mm;
+    for (const auto& vertex : skin->full.vertices)
+      errors_mm.push_back(std::abs(std::hypot(vertex.x(), vertex.y()) - (kSkinMm - 0.17)));
+    std::sort(errors_mm.begin(), errors_mm.end());
+    EXPECT_LT(errors_mm[errors_mm.size() / 2], 0.15) << cloth_hu << " HU";
+    EXPECT_LT(errors_mm[errors_mm.size() * 99 / 100], 0.6) << cloth_hu << " HU";
+    EXPECT_LT(errors_mm.back(), 2.0) << cloth_hu << " HU";
+  }
+}
+
 TEST(PreviewBody, ShowsWhatIsCutInRed) {
   const auto body = preview_body(trunk_on_table(), kQuick, {});
   ASSERT_TRUE(body) << body.error().message;

@@ -13,6 +13,7 @@
 #include "morgagni/ct/internal/components.h"
 #include "morgagni/ct/internal/foreign_matter.h"
 #include "morgagni/ct/internal/thin_sheet.h"
+#include "morgagni/ct/internal/uncovering.h"
 
 namespace mor::internal {
 namespace {
@@ -266,7 +267,10 @@ Result<BodyMask> body_mask(const Volume& volume,
                           " HU: widen the thresholds, or check that the file is a CT");
   }
   MOR_CHECK(check_air(mask, volume, options.threshold_hu));
-  mask.subtract(foreign_matter(volume, mask));
+  if (const BitMask covers = foreign_matter(volume); covers.count() > 0) {
+    result.uncovered = uncovered(volume, covers);
+    mask = threshold(result.uncovered, options.threshold_hu, options.upper_hu);
+  }
   report("threshold", 1.0);
 
   report("closing", 0.0);

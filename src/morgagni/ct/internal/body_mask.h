@@ -24,6 +24,9 @@ struct BodyMaskOptions {
 struct BodyMask {
   BitMask body;
   BitMask matter;  ///< All that is within the thresholds.
+  /// The CT without the covers that touch the skin: the skin lies at the threshold in it. Empty
+  /// where there are none.
+  Volume uncovered = {};
   /// What is cut and what stands out when nobody marks anything: marks name parts of these two.
   BitMask found_cut;           ///< Matter beside the body.
   BitMask found_standing_out;  ///< Of the body: ears, nose, fingers.

@@ -18,11 +18,15 @@ namespace {
 /// Means of blocks of about this side are looked at: noise does not count there.
 constexpr double kBlockMm = 2.0;
 constexpr double kAirHu = -700.0;
-constexpr double kThinnestHu = -300.0;  ///< Of what counts as matter at all.
+constexpr double kLeastCoverHu = -800.0;  ///< Cloth with half a voxel of air in it.
+constexpr double kThinnestHu = -300.0;    ///< Of what counts as matter at all.
 constexpr double kLightestSkinHu = -160.0;
+/// What is lighter in the mean, and thick, is no fat, which has about -100 HU.
+constexpr double kLightestThickHu = -128.0;
 constexpr std::array kDenseLimitsHu = {100.0, 150.0, 250.0};
+constexpr double kLeastCastHu = 150.0;
 constexpr double kFleshHu = 30.0;
-constexpr double kLightestFatHu = -130.0;
+constexpr double kFatHu = -95.0;
 /// Within a piece noise must reach so far towards the flesh to be taken for it.
 constexpr double kInnerShare = 0.35;
 /// Air within passages narrower than twice this is not the air outside.
@@ -57,6 +61,17 @@ class Blocks {
   [[nodiscard]] const Volume& smooth() const { return smooth_; }
   [[nodiscard]] const Eigen::Vector3d& spacing_mm() const { return means_.spacing_mm; }
   [[nodiscard]] double side_mm() const { return means_.spacing_mm.maxCoeff(); }
+
+  [[nodiscard]] BitMask voxels_of(const BitMask& mask) const {
+    BitMask voxels(size_);
+    tbb::parallel_for(0, size_[2], [&](int z) {
+      for (int y = 0; y < size_[1]; ++y)
+        for (int x = 0; x < mask.size()[0]; ++x)
+          if (mask.test(x, y / voxels_[1], z / voxels_[2]))
+            voxels.set_run(y, z, x * voxels_[0], std::min(size_[0], (x + 1) * voxels_[0]));
+    });
+    return voxels;
+  }
 
   /// Calls visit(x, y, z) for each voxel of the blocks in `mask`.
   template <class Visit>
@@ -131,6 +146,7 @@ BitMask air_outside(const Blocks& blocks) {
 struct Stuff {
   double mean_hu = 0.0;
   bool is_even = false;
+  double unevenness = 0.0;  ///< Of dense stuff: standard deviation by mean.
 };
 
 /// What a piece is made of. Dense stuff must be more even than bone; light stuff must have one HU
@@ -147,7 +163,8 @@ Stuff stuff_of(const BitMask& piece, const Volume& means) {
   if (mean_hu > 0.0) {
     double squares = 0.0;
     for (const double hu : all) squares += (hu - mean_hu) * (hu - mean_hu);
-    return {mean_hu, std::sqrt(squares / num) <= kMostUneven * mean_hu};
+    const double unevenness = std::sqrt(squares / num) / mean_hu;
+    return {mean_hu, unevenness <= kMostUneven, unevenness};
   }
   const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
   std::nth_element(all.begin(), middle, all.end());
@@ -161,12 +178,8 @@ Stuff stuff_of(const BitMask& piece, const Volume& means) {
 /// Finds the pieces of one kind of stuff and marks their voxels.
 class Search {
  public:
-  Search(const Volume& volume, const BitMask& matter)
-      : volume_(volume),
-        matter_(matter),
-        blocks_(volume),
-        outside_(air_outside(blocks_)),
-        foreign_(volume.size) {}
+  explicit Search(const Volume& volume)
+      : volume_(volume), blocks_(volume), outside_(air_outside(blocks_)), foreign_(volume.size) {}
 
   [[nodiscard]] bool is_body() const {
     const auto flesh = threshold(blocks_.means(), kLightestSkinHu, kDenseLimitsHu.front()).count();
@@ -174,18 +187,81 @@ class Search {
     return static_cast<double>(flesh) > kLeastFlesh * static_cast<double>(all);
   }
 
-  void look_for_light() { look_for(blocks_.smooth(), kAirHu, kLightestSkinHu); }
+  void look_for_light() { look_for(blocks_.smooth(), kAirHu, kLightestThickHu); }
   /// Above several limits: where bone lies close beneath, plaster is a piece of its own above some.
   void look_for_dense() {
     for (const double limit_hu : kDenseLimitsHu) look_for(blocks_.means(), limit_hu, 32767.0);
   }
 
+  /// Cloth, thinner than the blocks: light and wider than what the skin and the air share, with
+  /// nothing denser between it and the air.
+  void look_for_cloth() {
+    constexpr double kOneVoxel = 1.0;
+    constexpr double kLeastSheetMm3 = 2000.0;
+    constexpr double kLeastNear = 0.3;
+    constexpr double kMostLightHu = -130.0;
+    const Components pieces(opened(threshold(volume_, kAirHu, kLightestSkinHu), kOneVoxel, ones()));
+    const auto near = pieces.overlap(near_outside());
+    const auto least = static_cast<std::size_t>(kLeastSheetMm3 / volume_.spacing_mm.prod());
+    const BitMask cores = pieces.select([&](std::size_t i) {
+      const auto num = pieces.parts()[i].num_voxels;
+      return num >= least && static_cast<double>(near[i]) >= kLeastNear * static_cast<double>(num);
+    });
+    BitMask sheets = dilated(cores, kBesideVoxels, ones());
+    sheets &= threshold(volume_, kLeastCoverHu, kMostLightHu);
+    foreign_ |= sheets;
+  }
+  /// A cast around bone that lies so close beneath the skin that the blocks do not tell them apart:
+  /// dense, without flesh between it and the air, as far as a few steps lead into it.
+  void look_for_casts() {
+    constexpr double kOneVoxel = 1.0;
+    constexpr int kNumCrustSteps = 2;
+    constexpr double kMostUnevenCast = 0.38;  // Its crust counts; of bone near the air it is 0.5.
+    constexpr int kNumSteps = 5;
+    BitMask dense = opened(threshold(volume_, kLeastCastHu, 32767.0), kOneVoxel, ones());
+    BitMask reached = blocks_.voxels_of(outside_);
+    for (int i = 0; i < kNumCrustSteps; ++i) reached = dilated(reached, 1.0, ones());
+    reached |= threshold(volume_, -32768.0, kAirHu);
+    for (int i = 0; i < kNumSteps; ++i) {
+      BitMask next = dilated(reached, 1.0, ones());
+      next &= dense;
+      reached |= next;
+    }
+    dense &= reached;
+    const Components pieces(dense);
+    const auto least = static_cast<std::size_t>(kLeastMm3 / volume_.spacing_mm.prod());
+    for (std::size_t i = 0; i < pieces.parts().size(); ++i) {
+      if (pieces.parts()[i].num_voxels < least) continue;
+      const BitMask piece = pieces.select([&](std::size_t k) { return k == i; });
+      const Stuff stuff = stuff_of(piece, volume_);
+      if (stuff.unevenness > kMostUnevenCast) continue;
+      foreign_ |= piece;
+      grow(kFleshHu + 0.5 * (stuff.mean_hu - kFleshHu));
+    }
+  }
+
   [[nodiscard]] BitMask found() && {
-    foreign_ &= matter_;
+    foreign_ &= threshold(volume_, kLeastCoverHu, 32767.0);
     return std::move(foreign_);
   }
 
  private:
+  static constexpr double kBesideVoxels = 1.5;
+  static Eigen::Vector3d ones() { return Eigen::Vector3d::Ones(); }
+
+  /// What a few steps from the outside reach without meeting flesh or fat.
+  [[nodiscard]] BitMask near_outside() const {
+    constexpr int kNumSteps = 4;
+    constexpr double kNoFleshHu = -110.0;
+    BitMask reached = blocks_.voxels_of(outside_);
+    const BitMask passable = threshold(volume_, -32768.0, kNoFleshHu);
+    for (int i = 0; i < kNumSteps; ++i) {
+      reached = dilated(reached, 1.0, ones());
+      reached &= passable;
+    }
+    return reached;
+  }
+
   void look_for(const Volume& means, double low_hu, double high_hu) {
     const BitMask band = threshold(means, low_hu, high_hu);
     // What lies between flesh and air in the mean is up to two blocks thick.
@@ -214,7 +290,7 @@ class Search {
     blocks_.for_each_voxel(core, [&](int x, int y, int z) {
       const double hu = volume_.hu[volume_.index(x, y, z)];
       ++num_voxels;
-      if (hu > kAirHu - kNoiseHu && hu < kLightestSkinHu + kNoiseHu) ++num_light;
+      if (hu > kAirHu - kNoiseHu && hu < kLightestThickHu + kNoiseHu) ++num_light;
     });
     return num_light >= kLeastShare * num_voxels;
   }
@@ -242,8 +318,27 @@ class Search {
     edge.subtract(inner);
     const auto towards = [&](double share) { return kFleshHu + share * (mean_hu - kFleshHu); };
     take(inner, towards(kInnerShare), is_dense);
-    take(edge, is_dense ? towards(0.5) : std::min(towards(0.5), kLightestFatHu), is_dense);
+    take(
+        edge, is_dense ? towards(0.5) : std::min(towards(0.5), 0.5 * (mean_hu + kFatHu)), is_dense);
     blocks_.for_each_voxel(crust, [&](int x, int y, int z) { foreign_.set_run(y, z, x, x + 1); });
+    if (mean_hu > kDenseLimitsHu.back()) grow(towards(0.5));
+  }
+
+  /// Into what is as dense and joined to it: where bone lies close beneath, a cast's own pieces end
+  /// early. Skin keeps it from the bone.
+  void grow(double limit_hu) {
+    constexpr int kNumSteps = 12;
+    const BitMask dense = threshold(volume_, limit_hu, 32767.0);
+    BitMask grown = foreign_;
+    grown &= dense;
+    for (int i = 0; i < kNumSteps; ++i) {
+      grown = dilated(grown, 1.0, ones());
+      grown &= dense;
+    }
+    BitMask crust = dilated(grown, kBesideVoxels, ones());
+    crust &= dilated(threshold(volume_, -32768.0, kAirHu), kBesideVoxels, ones());
+    foreign_ |= grown;
+    foreign_ |= crust;
   }
 
   /// Gas in the fat is light, too, but has skin over it.
@@ -263,13 +358,28 @@ class Search {
   /// Of the blocks in `mask` the voxels beyond a limit.
   void take(const BitMask& mask, double limit_hu, bool is_dense) {
     blocks_.for_each_voxel(mask, [&](int x, int y, int z) {
-      const double hu = volume_.hu[volume_.index(x, y, z)];
+      const double hu = smoothed_hu(x, y, z);
       if (is_dense ? hu > limit_hu : hu < limit_hu) foreign_.set_run(y, z, x, x + 1);
     });
   }
 
+  /// Of a voxel and those around it: the noise of one must not count.
+  [[nodiscard]] double smoothed_hu(int x, int y, int z) const {
+    const auto& size = volume_.size;
+    int sum = 0;
+    int num = 0;
+    for (int at_z = std::max(0, z - 1); at_z <= std::min(size[2] - 1, z + 1); ++at_z) {
+      for (int at_y = std::max(0, y - 1); at_y <= std::min(size[1] - 1, y + 1); ++at_y) {
+        for (int at_x = std::max(0, x - 1); at_x <= std::min(size[0] - 1, x + 1); ++at_x) {
+          sum += volume_.hu[volume_.index(at_x, at_y, at_z)];
+          ++num;
+        }
+      }
+    }
+    return static_cast<double>(sum) / num;
+  }
+
   const Volume& volume_;
-  const BitMask& matter_;
   Blocks blocks_;
   BitMask outside_;
   BitMask foreign_;
@@ -277,11 +387,13 @@ class Search {
 
 }  // namespace
 
-BitMask foreign_matter(const Volume& volume, const BitMask& matter) {
-  Search search(volume, matter);
+BitMask foreign_matter(const Volume& volume) {
+  Search search(volume);
   if (!search.is_body()) return BitMask(volume.size);
   search.look_for_light();
   search.look_for_dense();
+  search.look_for_casts();
+  search.look_for_cloth();
   return std::move(search).found();
 }
 

@@ -7,14 +7,13 @@
 
 namespace mor::internal {
 
-/// What lies against the body and is as thick as a limb, but of no stuff that a body has outermost:
-/// a cushion of silicone, a plaster cast, a folded blanket. Skin, fat and hairless flesh lie
-/// between -160 and 100 HU; what is lighter or denser, about 6 mm thick, open to the air outside
-/// and, where it is dense, as even as no bone is, does not belong to the body.
+/// What lies against the body, but is of no stuff that a body has outermost: a cushion of silicone,
+/// a plaster cast, a blanket, cloth. Skin, fat and hairless flesh lie between -130 and 100 HU; what
+/// is lighter or denser, open to the air outside and, where it is dense, as even as no bone is, does
+/// not belong to the body.
 ///
-/// @param matter  All that is within the thresholds. Where most of it would be foreign (a figure of
-///                terracotta, dry bones), nothing is.
-/// @return Voxels of `matter`, with the crust that the air leaves around them.
-[[nodiscard]] BitMask foreign_matter(const Volume& volume, const BitMask& matter);
+/// @return Voxels within about one of the cover's surface, with the crust that the air leaves around
+///         it. None where most of the CT would be foreign (a figure of terracotta, dry bones).
+[[nodiscard]] BitMask foreign_matter(const Volume& volume);
 
 }  // namespace mor::internal
