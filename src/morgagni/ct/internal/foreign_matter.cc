@@ -193,24 +193,6 @@ class Search {
     for (const double limit_hu : kDenseLimitsHu) look_for(blocks_.means(), limit_hu, 32767.0);
   }
 
-  /// Cloth, thinner than the blocks: light and wider than what the skin and the air share, with
-  /// nothing denser between it and the air.
-  void look_for_cloth() {
-    constexpr double kOneVoxel = 1.0;
-    constexpr double kLeastSheetMm3 = 2000.0;
-    constexpr double kLeastNear = 0.3;
-    constexpr double kMostLightHu = -130.0;
-    const Components pieces(opened(threshold(volume_, kAirHu, kLightestSkinHu), kOneVoxel, ones()));
-    const auto near = pieces.overlap(near_outside());
-    const auto least = static_cast<std::size_t>(kLeastSheetMm3 / volume_.spacing_mm.prod());
-    const BitMask cores = pieces.select([&](std::size_t i) {
-      const auto num = pieces.parts()[i].num_voxels;
-      return num >= least && static_cast<double>(near[i]) >= kLeastNear * static_cast<double>(num);
-    });
-    BitMask sheets = dilated(cores, kBesideVoxels, ones());
-    sheets &= threshold(volume_, kLeastCoverHu, kMostLightHu);
-    foreign_ |= sheets;
-  }
   /// A cast around bone that lies so close beneath the skin that the blocks do not tell them apart:
   /// dense, without flesh between it and the air, as far as a few steps lead into it.
   void look_for_casts() {
@@ -248,19 +230,6 @@ class Search {
  private:
   static constexpr double kBesideVoxels = 1.5;
   static Eigen::Vector3d ones() { return Eigen::Vector3d::Ones(); }
-
-  /// What a few steps from the outside reach without meeting flesh or fat.
-  [[nodiscard]] BitMask near_outside() const {
-    constexpr int kNumSteps = 4;
-    constexpr double kNoFleshHu = -110.0;
-    BitMask reached = blocks_.voxels_of(outside_);
-    const BitMask passable = threshold(volume_, -32768.0, kNoFleshHu);
-    for (int i = 0; i < kNumSteps; ++i) {
-      reached = dilated(reached, 1.0, ones());
-      reached &= passable;
-    }
-    return reached;
-  }
 
   void look_for(const Volume& means, double low_hu, double high_hu) {
     const BitMask band = threshold(means, low_hu, high_hu);
@@ -393,7 +362,6 @@ BitMask foreign_matter(const Volume& volume) {
   search.look_for_light();
   search.look_for_dense();
   search.look_for_casts();
-  search.look_for_cloth();
   return std::move(search).found();
 }
 

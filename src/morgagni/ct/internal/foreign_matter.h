@@ -8,11 +8,12 @@
 namespace mor::internal {
 
 /// What lies against the body, but is of no stuff that a body has outermost: a cushion of silicone,
-/// a plaster cast, a blanket, cloth. Skin, fat and hairless flesh lie between -130 and 100 HU; what
-/// is lighter or denser, open to the air outside and, where it is dense, as even as no bone is, does
-/// not belong to the body.
+/// a plaster cast, a blanket. Skin, fat and hairless flesh lie between -130 and 100 HU; what
+/// is lighter or denser, open to the air outside and, where it is dense, as even as no bone is,
+/// does not belong to the body.
 ///
-/// @return Voxels within about one of the cover's surface, with the crust that the air leaves around
+/// @return Voxels within about one of the cover's surface, with the crust that the air leaves
+/// around
 ///         it. None where most of the CT would be foreign (a figure of terracotta, dry bones).
 [[nodiscard]] BitMask foreign_matter(const Volume& volume);
 
