@@ -74,7 +74,9 @@ class KeptFolders : public testing::Test {
     return WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   }
 
-  const fs::path place_ = fs::path(testing::TempDir()) / "kept_folders_test";
+  /// Of each test its own: what a killed preparation leaves is removed a moment after its death.
+  const fs::path place_ = fs::path(testing::TempDir()) / "kept_folders_test" /
+                          testing::UnitTest::GetInstance()->current_test_info()->name();
   const fs::path ct_ = place_ / "egg.mha";
   const fs::path case_ = place_ / "case";
 };
