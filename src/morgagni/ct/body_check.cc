@@ -13,6 +13,7 @@
 #include "morgagni/ct/internal/coarse_volume.h"
 #include "morgagni/ct/internal/components.h"
 #include "morgagni/ct/internal/marching_cubes.h"
+#include "morgagni/ct/internal/uncovering.h"
 
 namespace mor {
 namespace {
@@ -56,7 +57,9 @@ struct BodyCheck::Found {
 };
 
 BodyCheck::BodyCheck(std::shared_ptr<const Volume> volume)
-    : volume_(std::move(volume)), coarse_(internal::coarse_volume(*volume_, kSmallMm)) {}
+    : volume_(std::move(volume)),
+      coarse_(internal::coarse_volume(*volume_, kSmallMm)),
+      bare_(internal::without_covers(coarse_)) {}
 
 BodyCheck::~BodyCheck() = default;
 
@@ -68,13 +71,13 @@ Result<void> BodyCheck::find(const SkinOptions& options) {
   const auto matter = internal::threshold(coarse_, options.threshold_hu, options.upper_hu);
   for (const auto& mark : options.keep_mm)
     if (internal::is_near(matter, mark, coarse_)) mask_options.keep_mm.push_back(mark);
-  MOR_TRY(found->mask, internal::body_mask(coarse_, mask_options, {}));
+  MOR_TRY(found->mask, internal::body_mask(coarse_, bare_, mask_options, {}));
   // A mark may have lost its part to the body: that can only be told once the body is found.
   for (const auto& mark : options.cut_mm)
     if (internal::is_near(found->mask.found_standing_out, mark, coarse_))
       mask_options.cut_mm.push_back(mark);
   if (!mask_options.cut_mm.empty()) {
-    MOR_TRY(found->mask, internal::body_mask(coarse_, mask_options, {}));
+    MOR_TRY(found->mask, internal::body_mask(coarse_, bare_, mask_options, {}));
   }
   found->options = options;
 
@@ -137,9 +140,8 @@ Image<Rgb8> BodyCheck::slice(BodyPlane plane, double position, int height_px) co
 
 TriangleMesh BodyCheck::skin() const {
   if (!found_) return {};
-  const auto& mask = found_->mask;
-  const Volume& bare = mask.uncovered.hu.empty() ? coarse_ : mask.uncovered;
-  return internal::marching_cubes(bare, mask.body, found_->options.threshold_hu);
+  return internal::marching_cubes(
+      bare_ ? *bare_ : coarse_, found_->mask.body, found_->options.threshold_hu);
 }
 
 TriangleMesh BodyCheck::part_surface(std::size_t part) const {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "morgagni/core/image.h"
@@ -64,6 +65,7 @@ class BodyCheck {
   struct Found;
   std::shared_ptr<const Volume> volume_;
   Volume coarse_;
+  std::optional<Volume> bare_;  ///< `coarse_` without covers. None: there are none.
   std::unique_ptr<const Found> found_;
 };
 

@@ -15,6 +15,7 @@
 #include "morgagni/ct/internal/body_mask.h"
 #include "morgagni/ct/internal/components.h"
 #include "morgagni/ct/internal/marching_cubes.h"
+#include "morgagni/ct/internal/uncovering.h"
 #include "morgagni/ct/testing/cover_scenes.h"
 #include "morgagni/ct/volume_import.h"
 
@@ -39,10 +40,11 @@ struct Off {
 Off skin_off(const testing_covers::BareBody& bare,
              const testing_covers::Covered& scene,
              const std::string& name) {
-  const auto found = internal::body_mask(scene.volume, {}, {});
+  const auto uncovered = internal::without_covers(scene.volume);
+  const auto found = internal::body_mask(scene.volume, uncovered, {}, {});
   EXPECT_TRUE(found) << found.error().message;
   if (!found) return {};
-  const Volume& seen = found->uncovered.hu.empty() ? scene.volume : found->uncovered;
+  const Volume& seen = uncovered ? *uncovered : scene.volume;
   const auto skin = internal::marching_cubes(seen, found->body, kThresholdHu);
   const Off off = {testing_covers::distances_at(bare.skin, skin, scene),
                    testing_covers::distances_at(skin, bare.skin, scene)};
@@ -129,7 +131,7 @@ TEST(RealCovers, AnEarPressedFlatStays) {
     const double share = std::clamp(beyond_mm(place) / alone.spacing_mm.x() + 0.5, 0.0, 1.0);
     hu = static_cast<std::int16_t>(std::lround((1.0 - share) * hu - 1000.0 * share));
   });
-  bare.body = internal::body_mask(alone, {}, {}).value().body;
+  bare.body = internal::body_mask(alone, internal::without_covers(alone), {}, {}).value().body;
   bare.skin = internal::marching_cubes(alone, bare.body, kThresholdHu);
   testing_covers::Covered scene = {alone, internal::BitMask(alone.size)};
   for_each([&](int x, int y, int z, const Eigen::Vector3d& place) {

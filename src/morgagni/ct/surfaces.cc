@@ -12,6 +12,7 @@
 #include "morgagni/ct/internal/body_preview.h"
 #include "morgagni/ct/internal/body_volume.h"
 #include "morgagni/ct/internal/marching_cubes.h"
+#include "morgagni/ct/internal/uncovering.h"
 
 namespace mor {
 
@@ -40,6 +41,13 @@ Result<void> SkinOptions::check() const {
 
 namespace {
 
+std::optional<Volume> without_covers(const Volume& volume, const Progress& progress) {
+  if (progress) progress("covers", 0.0);
+  auto bare = internal::without_covers(volume);
+  if (progress) progress("covers", 1.0);
+  return bare;
+}
+
 BodyPreview preview_of(const Volume& volume, const internal::BodyMask& body) {
   return {internal::cut_parts(volume, body),
           internal::draw_body_preview(volume, body.matter, body.body)};
@@ -56,7 +64,8 @@ Result<BodyPreview> preview_body(const Volume& volume,
                                  const SkinOptions& options,
                                  const Progress& progress) {
   MOR_CHECK(options.check());
-  MOR_TRY(const auto body, internal::body_mask(volume, body_options(options), progress));
+  const auto bare = without_covers(volume, progress);
+  MOR_TRY(const auto body, internal::body_mask(volume, bare, body_options(options), progress));
   return preview_of(volume, body);
 }
 
@@ -64,12 +73,12 @@ Result<SkinSurfaces> extract_skin(const Volume& volume,
                                   const SkinOptions& options,
                                   const Progress& progress) {
   MOR_CHECK(options.check());
-  MOR_TRY(const auto body, internal::body_mask(volume, body_options(options), progress));
+  const auto bare = without_covers(volume, progress);
+  MOR_TRY(const auto body, internal::body_mask(volume, bare, body_options(options), progress));
   SkinSurfaces surfaces;
   if (progress) progress("surface", 0.0);
-  const Volume& bare = body.uncovered.hu.empty() ? volume : body.uncovered;
-  surfaces.full = internal::marching_cubes(bare, body.body, options.threshold_hu);
-  surfaces.body = internal::body_volume(bare, body.body);
+  surfaces.full = internal::marching_cubes(bare ? *bare : volume, body.body, options.threshold_hu);
+  surfaces.body = internal::body_volume(bare ? *bare : volume, body.body);
   if (progress) progress("surface", 1.0);
   surfaces.preview = preview_of(volume, body);
   const AcvdOptions remeshing = {options.num_vertices, options.sub_sampling, options.gradation};

@@ -183,7 +183,8 @@ TEST(ExtractSkin, ReportsEveryStageUpToItsEnd) {
     last.find(stage)->second = fraction;
   }));
   EXPECT_THAT(last,
-              testing::UnorderedElementsAre(testing::Pair("threshold", 1.0),
+              testing::UnorderedElementsAre(testing::Pair("covers", 1.0),
+                                            testing::Pair("threshold", 1.0),
                                             testing::Pair("closing", 1.0),
                                             testing::Pair("body", 1.0),
                                             testing::Pair("surface", 1.0),

@@ -11,9 +11,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/ct/internal/components.h"
-#include "morgagni/ct/internal/foreign_matter.h"
 #include "morgagni/ct/internal/thin_sheet.h"
-#include "morgagni/ct/internal/uncovering.h"
 
 namespace mor::internal {
 namespace {
@@ -250,6 +248,7 @@ bool is_near(const BitMask& mask, const Eigen::Vector3d& place_mm, const Volume&
 }
 
 Result<BodyMask> body_mask(const Volume& volume,
+                           const std::optional<Volume>& bare,
                            const BodyMaskOptions& options,
                            const Progress& progress) {
   const auto report = [&](const char* stage, double fraction) {
@@ -267,10 +266,7 @@ Result<BodyMask> body_mask(const Volume& volume,
                           " HU: widen the thresholds, or check that the file is a CT");
   }
   MOR_CHECK(check_air(mask, volume, options.threshold_hu));
-  if (const BitMask covers = foreign_matter(volume); covers.count() > 0) {
-    result.uncovered = uncovered(volume, covers);
-    mask = threshold(result.uncovered, options.threshold_hu, options.upper_hu);
-  }
+  if (bare) mask = threshold(*bare, options.threshold_hu, options.upper_hu);
   report("threshold", 1.0);
 
   report("closing", 0.0);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -24,9 +25,6 @@ struct BodyMaskOptions {
 struct BodyMask {
   BitMask body;
   BitMask matter;  ///< All that is within the thresholds.
-  /// The CT without the covers that touch the skin: the skin lies at the threshold in it. Empty
-  /// where there are none.
-  Volume uncovered = {};
   /// What is cut and what stands out when nobody marks anything: marks name parts of these two.
   BitMask found_cut;           ///< Matter beside the body.
   BitMask found_standing_out;  ///< Of the body: ears, nose, fingers.
@@ -41,9 +39,13 @@ struct BodyMask {
 ///
 /// A part that a mark of `keep_mm` lies in is kept even where it does not touch the body (an arm).
 ///
+/// @param bare  The CT without the covers that touch the skin (without_covers()): the skin lies at
+/// the
+///              threshold in it. None: there are none.
 /// @errors kInvalidArgument: no voxel within the thresholds; no air beside the body; a mark
 ///         with no part there.
 [[nodiscard]] Result<BodyMask> body_mask(const Volume& volume,
+                                         const std::optional<Volume>& bare,
                                          const BodyMaskOptions& options,
                                          const Progress& progress);
 

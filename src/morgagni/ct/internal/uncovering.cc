@@ -11,6 +11,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include "morgagni/ct/internal/foreign_matter.h"
+
 namespace mor::internal {
 namespace {
 
@@ -242,6 +244,12 @@ class Uncovering {
 
 Volume uncovered(const Volume& volume, const BitMask& cover) {
   return Uncovering(volume, cover).run();
+}
+
+std::optional<Volume> without_covers(const Volume& volume) {
+  const BitMask covers = foreign_matter(volume);
+  if (covers.count() == 0) return std::nullopt;
+  return uncovered(volume, covers);
 }
 
 }  // namespace mor::internal

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+
 #include "morgagni/ct/internal/bit_mask.h"
 #include "morgagni/geometry/volume.h"
 
@@ -15,5 +17,8 @@ namespace mor::internal {
 ///
 /// @param cover  Within a voxel or so.
 [[nodiscard]] Volume uncovered(const Volume& volume, const BitMask& cover);
+
+/// The same of all that foreign_matter() finds. None where that is nothing.
+[[nodiscard]] std::optional<Volume> without_covers(const Volume& volume);
 
 }  // namespace mor::internal

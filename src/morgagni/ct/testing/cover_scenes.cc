@@ -16,6 +16,7 @@
 #include "morgagni/ct/internal/components.h"
 #include "morgagni/ct/internal/marching_cubes.h"
 #include "morgagni/ct/internal/triangle_grid.h"
+#include "morgagni/ct/internal/uncovering.h"
 
 namespace mor::testing_covers {
 namespace {
@@ -268,11 +269,15 @@ double flesh_hu(const BareBody& bare, int x, int y, int z) {
 BareBody bare_body(const Volume& ct) {
   BareBody bare;
   bare.volume = ct;
-  const BitMask near = dilated(internal::body_mask(ct, {}, {}).value().body, 2.5, ct.spacing_mm);
+  const BitMask near =
+      dilated(internal::body_mask(ct, internal::without_covers(ct), {}, {}).value().body,
+              2.5,
+              ct.spacing_mm);
   for_each(ct, [&](int x, int y, int z) {
     if (!near.test(x, y, z)) bare.volume.hu[ct.index(x, y, z)] = static_cast<std::int16_t>(kAirHu);
   });
-  bare.body = internal::body_mask(bare.volume, {}, {}).value().body;
+  bare.body =
+      internal::body_mask(bare.volume, internal::without_covers(bare.volume), {}, {}).value().body;
   bare.skin = internal::marching_cubes(bare.volume, bare.body, kThresholdHu);
   bare.from_body_mm = distance_mm(bare.body, bare.volume);
   BitMask far(ct.size);
