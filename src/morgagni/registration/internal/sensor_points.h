@@ -24,7 +24,7 @@ struct PointLanes {
 };
 
 /// A row of points reaches so far to either side of one.
-inline constexpr std::size_t kRowReach = 3;
+inline constexpr std::size_t kRowReach = 4;
 
 /// The points before and after a point in the picture's row that are averaged with it.
 struct RowReach {
