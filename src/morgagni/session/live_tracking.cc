@@ -121,7 +121,7 @@ Result<void> LiveTracking::use_calibration(std::shared_ptr<const RgbdCalibration
   MOR_TRY(auto extractor, BodySurfaceExtractor::create(calibration->depth, depth_options_));
   MOR_TRY(auto automatic, AutomaticStart::create(body_->skin, calibration->depth, {}));
   const std::lock_guard lock(tracker_mutex_);
-  MOR_CHECK(tracker_.use_camera(std::move(extractor), std::hypot(sensor_bias_mm_, sensor_bias_mm)));
+  tracker_.use_camera(std::move(extractor));
   told_bias_mm_ = sensor_bias_mm;
   search_.cancel();
   find_ = std::make_shared<const StartSearch::Find>(

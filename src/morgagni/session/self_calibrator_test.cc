@@ -72,7 +72,8 @@ class SelfCalibratorTest : public testing::Test {
                          [this](auto calibration, double bias_mm) {
                            sensor_bias_mm_ = bias_mm;
                            in_use_ = std::move(calibration);
-                           return tracker_->use_camera(extractor(in_use_->depth), bias_mm);
+                           tracker_->use_camera(extractor(in_use_->depth));
+                           return Result<void>();
                          },
                          [this](double bias_mm) { sensor_bias_mm_ = bias_mm; }},
         device_id,

@@ -96,12 +96,6 @@ Tracker::Tracker(const TrackingOptions& options,
       extractor_(std::move(extractor)),
       registration_(std::move(registration)) {}
 
-Result<void> Tracker::use_camera(BodySurfaceExtractor extractor, double sensor_bias_mm) {
-  MOR_CHECK(expect_bias(sensor_bias_mm));
-  extractor_ = std::move(extractor);
-  return {};
-}
-
 Result<void> Tracker::expect_bias(double sensor_bias_mm) {
   TrackingOptions options = options_;
   options.sensor_bias_mm = sensor_bias_mm;

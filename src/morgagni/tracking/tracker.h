@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -95,9 +96,8 @@ class Tracker {
                                               std::unique_ptr<FineRegistration> registration);
 
   /// Goes on under another calibration, the pose as it was: it is off by millimetres only.
-  /// @param extractor  Of the frames to come. @param sensor_bias_mm  As in the options.
-  /// @errors kInvalidArgument: a bias outside its limits.
-  [[nodiscard]] Result<void> use_camera(BodySurfaceExtractor extractor, double sensor_bias_mm);
+  /// @param extractor  Of the frames to come.
+  void use_camera(BodySurfaceExtractor extractor) { extractor_ = std::move(extractor); }
 
   /// What is not known of the camera's depth, for the bounds of the frames to come.
   /// @errors kInvalidArgument: outside the options' limits.

@@ -12,9 +12,8 @@ namespace mor::internal {
 /// is lighter or denser, open to the air outside and, where it is dense, as even as no bone is,
 /// does not belong to the body.
 ///
-/// @return Voxels within about one of the cover's surface, with the crust that the air leaves
-/// around
-///         it. None where most of the CT would be foreign (a figure of terracotta, dry bones).
+/// @return The covers to about a voxel, with the crust that the air leaves around them. None where
+///         most of the CT would be foreign (a figure of terracotta, dry bones).
 [[nodiscard]] BitMask foreign_matter(const Volume& volume);
 
 }  // namespace mor::internal
