@@ -69,12 +69,6 @@ double robust_sd(std::vector<double> values) {
   return kMadToSd * quantile(std::move(values), 0.5);
 }
 
-double root_mean_square(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value * value;
-  return values.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(values.size()));
-}
-
 std::vector<double> joined(const std::vector<std::vector<double>>& parts) {
   std::vector<double> all;
   for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());

@@ -9,8 +9,8 @@
 
 namespace mor {
 
-/// The value below which a `share` (0..1) of the samples lies, interpolated linearly between the two
-/// nearest ranks, as NumPy and R (type 7) do by default. 0 without samples.
+/// The value below which a `share` (0..1) of the samples lies, interpolated linearly between the
+/// two nearest ranks, as NumPy and R (type 7) do by default. 0 without samples.
 [[nodiscard]] inline double quantile(std::vector<double> samples, double share) {
   if (samples.empty()) return 0.0;
   std::sort(samples.begin(), samples.end());
@@ -18,6 +18,13 @@ namespace mor {
   const auto below = static_cast<std::size_t>(std::floor(rank));
   const std::size_t above = std::min(below + 1, samples.size() - 1);
   return std::lerp(samples[below], samples[above], rank - static_cast<double>(below));
+}
+
+/// 0 without samples.
+[[nodiscard]] inline double root_mean_square(const std::vector<double>& samples) {
+  double squares = 0.0;
+  for (const double sample : samples) squares += sample * sample;
+  return samples.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(samples.size()));
 }
 
 /// The last `capacity` samples of something that is measured all the time.

@@ -19,6 +19,11 @@ TEST(Quantile, TakesOneSampleOrNone) {
   EXPECT_DOUBLE_EQ(quantile({}, 0.5), 0.0);
 }
 
+TEST(RootMeanSquare, IsZeroWithoutSamples) {
+  EXPECT_DOUBLE_EQ(root_mean_square({3.0, -4.0, 0.0, 0.0}), 2.5);
+  EXPECT_DOUBLE_EQ(root_mean_square({}), 0.0);
+}
+
 TEST(RollingWindow, ForgetsWhatIsOlderThanItsCapacity) {
   RollingWindow window(3);
   for (const double sample : {100.0, 100.0, 1.0, 2.0, 3.0}) window.add(sample);

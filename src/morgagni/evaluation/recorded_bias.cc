@@ -249,12 +249,9 @@ Result<RecordedBias> measure_bias(const TriangleMesh& skin, const RecordedFrames
     point = {-point.c0_mm / (1.0 + point.c1), -point.c1 / (1.0 + point.c1), 0.0};
   }
   bias.body = joint.body_of(better);
-  double squares = 0.0;
-  for (const auto& reading : readings) {
-    const double change_mm = bias.body.at_mm(reading.place_mm);
-    squares += change_mm * change_mm;
-  }
-  bias.body_mm = std::sqrt(squares / static_cast<double>(readings.size()));
+  std::vector<double> changes_mm;
+  for (const auto& reading : readings) changes_mm.push_back(bias.body.at_mm(reading.place_mm));
+  bias.body_mm = root_mean_square(changes_mm);
   bias.num_readings = static_cast<int>(readings.size());
   Eigen::VectorXd sensor_alone = better.values;
   sensor_alone.tail(sensor_alone.size() - static_cast<Eigen::Index>(kTerms)).setZero();

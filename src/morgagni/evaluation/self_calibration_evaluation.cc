@@ -13,6 +13,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/camera/simulated_camera.h"
+#include "morgagni/core/statistics.h"
 #include "morgagni/evaluation/recording_evaluation.h"
 #include "morgagni/evaluation/summary.h"
 #include "morgagni/evaluation/target_sampling.h"
@@ -32,12 +33,6 @@ constexpr std::uint64_t kFirstFrame = 300;
 
 double uniform(std::mt19937_64& random) {
   return static_cast<double>(random() >> 11U) * 0x1.0p-53 * 2.0 - 1.0;
-}
-
-double root_mean_square(const std::vector<double>& values) {
-  double squares = 0.0;
-  for (const double value : values) squares += value * value;
-  return std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, values.size())));
 }
 
 double thread_cpu_s() {
