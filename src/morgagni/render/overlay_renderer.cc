@@ -65,8 +65,7 @@ class GlOverlayRenderer final : public OverlayRenderer {
                     LayerPass ghost_pass)
       : context_(std::move(context)),
         structures_(std::move(structures)),
-        ghost_pass_(std::move(ghost_pass)),
-        ghost_target_(internal::num_samples(*context_)) {}
+        ghost_pass_(std::move(ghost_pass)) {}
 
   ~GlOverlayRenderer() override {
     // The members' own destructors speak to this context, whichever one is current by now.

@@ -310,14 +310,14 @@ TEST(OverlayRenderer, TheGhostIsDrawnOverEverythingWhereItsPoseSays) {
   const Eigen::Vector3d center(-80.0, 40.0, 600.0);
   view.color_from_ghost = at(center.x(), center.y(), center.z());
   const auto picture = rendered(*renderer, color, view);
-  const double half_px_mm = 0.5 * center.norm() / kOffCenter.focal_y_px;
+  const double px_mm = center.norm() / kOffCenter.focal_y_px;  // Its outline is softened by one.
   const Rgba8 untouched{100, 100, 100, 255};
   for (int y = 0; y < picture.height(); ++y) {
     for (int x = 0; x < picture.width(); ++x) {
       const Eigen::Vector2d pixel(x, y);
-      if (ray_hits(kOffCenter, pixel, center, 59.9 - half_px_mm)) {
+      if (ray_hits(kOffCenter, pixel, center, 59.9 - 0.5 * px_mm)) {
         ASSERT_NE(picture(x, y), untouched) << x << ", " << y;
-      } else if (!ray_hits(kOffCenter, pixel, center, 60.0 + half_px_mm)) {
+      } else if (!ray_hits(kOffCenter, pixel, center, 60.0 + 1.5 * px_mm)) {
         ASSERT_EQ(picture(x, y), untouched) << x << ", " << y;
       }
     }

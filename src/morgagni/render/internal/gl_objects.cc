@@ -10,11 +10,11 @@
 namespace mor::internal {
 namespace {
 
-GlRenderbuffer make_renderbuffer(int num_samples, GLenum format, int width, int height) {
+GlRenderbuffer make_renderbuffer(GLenum format, int width, int height) {
   GLuint name = 0;
   glGenRenderbuffers(1, &name);
   glBindRenderbuffer(GL_RENDERBUFFER, name);
-  glRenderbufferStorageMultisample(GL_RENDERBUFFER, num_samples, format, width, height);
+  glRenderbufferStorage(GL_RENDERBUFFER, format, width, height);
   return GlRenderbuffer(name);
 }
 
@@ -136,8 +136,8 @@ void GlPicture::bind(GLenum texture_unit) const {
 Result<void> RenderTarget::allocate(int width, int height) {
   width_ = std::max(width, width_);
   height_ = std::max(height, height_);
-  color_ = make_renderbuffer(num_samples_, GL_RGBA8, width_, height_);
-  depth_ = make_renderbuffer(num_samples_, GL_DEPTH_COMPONENT32F, width_, height_);
+  color_ = make_renderbuffer(GL_RGBA8, width_, height_);
+  depth_ = make_renderbuffer(GL_DEPTH_COMPONENT32F, width_, height_);
   drawn_ = make_framebuffer(color_, depth_);
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
   if (status != GL_FRAMEBUFFER_COMPLETE) {
@@ -147,11 +147,6 @@ Result<void> RenderTarget::allocate(int width, int height) {
     width_ = 0;
     height_ = 0;
     return error;
-  }
-  if (num_samples_ > 1) {
-    resolved_color_ = make_renderbuffer(0, GL_RGBA8, width_, height_);
-    resolved_depth_ = make_renderbuffer(0, GL_DEPTH_COMPONENT32F, width_, height_);
-    resolved_ = make_framebuffer(resolved_color_, resolved_depth_);
   }
   return {};
 }
@@ -166,13 +161,6 @@ Result<void> RenderTarget::begin(int width, int height) {
 }
 
 void RenderTarget::read(int width, int height, void* rgba, float* depth) {
-  if (num_samples_ > 1) {
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, drawn_.get());
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved_.get());
-    glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-    glBlitFramebuffer(0, 0, width, height, 0, 0, width, height, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved_.get());
-  }
   glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
   glReadPixels(0, 0, width, height, GL_DEPTH_COMPONENT, GL_FLOAT, depth);
 }

@@ -91,12 +91,11 @@ class GlPicture {
   int height_ = 0;
 };
 
-/// Colour (RGBA8) and depth, off screen, several samples a pixel where the device has them. Keeps
-/// its memory while the size asked for fits.
+/// Colour (RGBA8) and depth, off screen. One sample a pixel on every device: a pixel's depth is
+/// that of its centre, and a picture does not depend on who drew it. Keeps its memory while the
+/// size asked for fits.
 class RenderTarget {
  public:
-  explicit RenderTarget(int num_samples) : num_samples_(num_samples) {}
-
   /// Bound for drawing, cleared to nothing. @errors kDevice: the device refuses such a target.
   [[nodiscard]] Result<void> begin(int width, int height);
 
@@ -104,20 +103,14 @@ class RenderTarget {
   /// nothing drawn). Waits for the drawing.
   void read(int width, int height, void* rgba, float* depth);
 
-  [[nodiscard]] bool has_many_samples() const { return num_samples_ > 1; }
-
  private:
   [[nodiscard]] Result<void> allocate(int width, int height);
 
-  int num_samples_;
   int width_ = 0;
   int height_ = 0;
   GlRenderbuffer color_;
   GlRenderbuffer depth_;
-  GlRenderbuffer resolved_color_;
-  GlRenderbuffer resolved_depth_;
   GlFramebuffer drawn_;
-  GlFramebuffer resolved_;
 };
 
 }  // namespace mor::internal

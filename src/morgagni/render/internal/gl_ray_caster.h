@@ -35,7 +35,7 @@ class GlRayCaster {
     int revision = 0;  ///< Of the caster's view, for which the last three were made.
   };
 
-  explicit GlRayCaster(GlProgram program) : program_(std::move(program)), target_(0) {}
+  explicit GlRayCaster(GlProgram program) : program_(std::move(program)) {}
 
   Resident& resident(const RayCaster& caster, std::size_t number);
   /// Rays and layers of this picture. @return How many layers a ray meets at most.

@@ -66,13 +66,13 @@ Unwrapped unwrap(const AtlasSurface& surface) {
 
 }  // namespace
 
-SkinLayer::SkinLayer(LayerPass pass, LayerPass black_pass, int num_samples)
-    : pass_(std::move(pass)), black_pass_(std::move(black_pass)), target_(num_samples) {}
+SkinLayer::SkinLayer(LayerPass pass, LayerPass black_pass)
+    : pass_(std::move(pass)), black_pass_(std::move(black_pass)) {}
 
 Result<SkinLayer> SkinLayer::create(const GlContext& context, const TriangleMesh& skin) {
   MOR_TRY(LayerPass pass, LayerPass::create(kSkinFragmentText));
   MOR_TRY(LayerPass black_pass, LayerPass::create(kBlackFragmentText));
-  SkinLayer layer(std::move(pass), std::move(black_pass), num_samples(context));
+  SkinLayer layer(std::move(pass), std::move(black_pass));
   if (skin.empty()) return layer;
   layer.mesh_ = fitting(skin, skin.triangles.size(), context.is_software());
   layer.skin_.emplace("skin", layer.mesh_, kNoColor);
@@ -113,9 +113,7 @@ Result<Layer> SkinLayer::draw(const FreeView& view, ImageView<const Rgba8> color
   surface->draw_side(GlStructure::Side::kOuter);
   black_pass_.use(*uniforms);
   surface->draw_side(GlStructure::Side::kInner);
-  Layer layer = read_layer(target_, box, *uniforms);
-  if (!target_.has_many_samples()) smooth_outline(layer);
-  return layer;
+  return read_layer(target_, box, *uniforms);
 }
 
 /// Equations (3) and (4): u = (f_x x/z + p_x) / N, and v alike, pixels counted from the corner.

@@ -26,7 +26,7 @@ class SkinLayer {
   [[nodiscard]] Result<Layer> draw(const FreeView& view, ImageView<const Rgba8> colors);
 
  private:
-  SkinLayer(LayerPass pass, LayerPass black_pass, int num_samples);
+  SkinLayer(LayerPass pass, LayerPass black_pass);
 
   void set_picture(const ProjectedPicture& picture,
                    const CameraUniforms& color,

@@ -61,6 +61,7 @@ Layer read_layer(RenderTarget& target, const PixelBox& box, const CameraUniforms
   for (float& depth : layer.depth_mm) {
     depth = depth >= 1.0F ? kNoDepth : offset / (2.0F * depth - 1.0F - per_z);
   }
+  smooth_outline(layer);
   return layer;
 }
 
@@ -76,7 +77,7 @@ TriangleMesh fitting(const TriangleMesh& mesh, std::size_t num_triangles, bool i
 
 Result<StructureLayers> StructureLayers::create(const GlContext& context) {
   MOR_TRY(LayerPass pass, LayerPass::create(kStructureFragmentText));
-  return StructureLayers(std::move(pass), context.is_software(), num_samples(context));
+  return StructureLayers(std::move(pass), context.is_software());
 }
 
 void StructureLayers::add(const std::vector<RenderedStructure>& structures) {
@@ -143,9 +144,7 @@ Result<Layer> StructureLayers::draw_layer(const Request& request,
   }
   pass_.draw(structures, *uniforms, opacity);
   glDisable(GL_CLIP_DISTANCE0);
-  Layer layer = read_layer(target_, seen, *uniforms);
-  if (!target_.has_many_samples()) smooth_outline(layer);
-  return layer;
+  return read_layer(target_, seen, *uniforms);
 }
 
 }  // namespace mor::internal

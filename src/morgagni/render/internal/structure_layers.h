@@ -45,8 +45,8 @@ class StructureLayers {
   [[nodiscard]] Result<std::vector<OutlinedStructure>> draw_each(const Request& request);
 
  private:
-  StructureLayers(LayerPass pass, bool is_software, int num_samples)
-      : pass_(std::move(pass)), is_software_(is_software), target_(num_samples) {}
+  StructureLayers(LayerPass pass, bool is_software)
+      : pass_(std::move(pass)), is_software_(is_software) {}
 
   [[nodiscard]] Result<Layer> draw_layer(const Request& request,
                                          std::span<const GlStructure* const> structures,
@@ -66,7 +66,8 @@ class StructureLayers {
                                 const Eigen::AlignedBox3f& bounds,
                                 const PixelBox& within);
 
-/// Reads the target's corner into a layer of that box. @param uniforms  It was drawn with.
+/// Reads the target's corner into a layer of that box and softens its outline.
+/// @param uniforms  It was drawn with.
 [[nodiscard]] Layer read_layer(RenderTarget& target,
                                const PixelBox& box,
                                const CameraUniforms& uniforms);
@@ -75,10 +76,5 @@ class StructureLayers {
 [[nodiscard]] TriangleMesh fitting(const TriangleMesh& mesh,
                                    std::size_t num_triangles,
                                    bool is_software);
-
-/// Samples a pixel. Four cost llvmpipe three times the CPU: 33 ms a picture for 12.
-[[nodiscard]] inline int num_samples(const GlContext& context) {
-  return context.is_software() ? 0 : 4;
-}
 
 }  // namespace mor::internal
