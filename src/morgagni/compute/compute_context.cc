@@ -122,6 +122,14 @@ Result<ComputeProgram> ComputeContext::build(std::string_view source,
 }
 
 Result<ComputeBuffer> ComputeContext::allocate(std::size_t num_bytes) const {
+  // NVIDIA's driver promises any size and fails at the first use.
+  const std::uint64_t most = impl_->device.handle.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
+  if (num_bytes > most) {
+    return make_error(
+        ErrorCode::kDevice,
+        fmt::format(
+            "the OpenCL device failed to allocate {} bytes: it gives {} at most", num_bytes, most));
+  }
   cl_int status = CL_SUCCESS;
   cl::Buffer buffer(impl_->context, CL_MEM_READ_WRITE, num_bytes, nullptr, &status);
   MOR_CHECK(check_opencl(status, fmt::format("allocate {} bytes", num_bytes)));

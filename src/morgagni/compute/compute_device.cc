@@ -39,6 +39,7 @@ ComputeDevice describe(const cl::Platform& platform, const cl::Device& device) {
                                   trimmed(device.getInfo<CL_DRIVER_VERSION>())),
           .type = type_of(device),
           .num_units = static_cast<int>(device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>()),
+          .max_group_size = device.getInfo<CL_DEVICE_MAX_WORK_GROUP_SIZE>(),
           .memory_bytes = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>(),
           .has_double = device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() != 0};
 }

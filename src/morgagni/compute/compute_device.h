@@ -22,7 +22,8 @@ struct ComputeDevice {
   std::string name = {};
   std::string platform = {};  ///< Its driver's name and version.
   ComputeDeviceType type = ComputeDeviceType::kGpu;
-  int num_units = 0;  ///< Compute units: cores of a CPU, multiprocessors of a GPU.
+  int num_units = 0;               ///< Compute units: cores of a CPU, multiprocessors of a GPU.
+  std::size_t max_group_size = 0;  ///< Work items that can share local memory.
   std::uint64_t memory_bytes = 0;
   bool has_double = false;  ///< Computes in 64-bit floating point.
 };
