@@ -1,5 +1,6 @@
 // What the ICP kernels share. The host prepends this to them and defines
 //   GROUP_SIZE  work items of a group, a power of two
+//   SORT_GROUP_SIZE  the same where pairs are sorted, GROUP_SIZE or more
 //   SUM_DOUBLE  where the device computes in double: sums are taken in it
 
 #ifdef SUM_DOUBLE

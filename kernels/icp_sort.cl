@@ -2,7 +2,7 @@
 // gives the same result. The number of entries is a power of two, at least SORT_BLOCK; the host
 // pads with distances that sort last.
 
-#define SORT_BLOCK (2 * GROUP_SIZE)
+#define SORT_BLOCK (2 * SORT_GROUP_SIZE)
 
 // Fills the entries: the pairs' distances, then padding.
 __kernel void fill_sort(const uint num_points,
@@ -50,19 +50,19 @@ __kernel void sort_blocks(const uint low_run,
   __local uint order[SORT_BLOCK];
   const uint item = get_local_id(0);
   const uint begin = get_group_id(0) * SORT_BLOCK;
-  for (uint i = item; i < SORT_BLOCK; i += GROUP_SIZE) {
+  for (uint i = item; i < SORT_BLOCK; i += SORT_GROUP_SIZE) {
     keys[i] = all_keys[begin + i];
     order[i] = all_order[begin + i];
   }
   for (uint size = low_run; size <= high_run; size *= 2) {
-    for (uint stride = min(size / 2, (uint)GROUP_SIZE); stride > 0; stride /= 2) {
+    for (uint stride = min(size / 2, (uint)SORT_GROUP_SIZE); stride > 0; stride /= 2) {
       barrier(CLK_LOCAL_MEM_FENCE);
       const uint a = lower_entry(item, stride);
       order_local(keys, order, a, a + stride, ((begin + a) & size) == 0);
     }
   }
   barrier(CLK_LOCAL_MEM_FENCE);
-  for (uint i = item; i < SORT_BLOCK; i += GROUP_SIZE) {
+  for (uint i = item; i < SORT_BLOCK; i += SORT_GROUP_SIZE) {
     all_keys[begin + i] = keys[i];
     all_order[begin + i] = order[i];
   }

@@ -20,19 +20,22 @@ constexpr const char* kSource =
 /// The longest row of sums: WeightedEquations.
 constexpr std::size_t kMaxSums = 28;
 
-std::size_t num_sort_entries(std::size_t num_points) {
-  return std::max(IcpKernels::kSortBlock, std::bit_ceil(num_points));
-}
+/// 16 KiB of local memory: half of what every OpenCL device has.
+constexpr std::size_t kMostSortGroup = 1024;
 
 }  // namespace
 
 Result<IcpKernels> IcpKernels::build(ComputeContext& context, SumPrecision precision) {
   if (!context.device().has_double) precision = SumPrecision::kSingle;
   const bool in_double = precision == SumPrecision::kDouble;
-  MOR_TRY(
-      const auto program,
-      context.build(
-          kSource, fmt::format("-DGROUP_SIZE={}{}", kGroupSize, in_double ? " -DSUM_DOUBLE" : "")));
+  const std::size_t sort_group_size =
+      std::clamp(std::bit_floor(context.device().max_group_size), kGroupSize, kMostSortGroup);
+  MOR_TRY(const auto program,
+          context.build(kSource,
+                        fmt::format("-DGROUP_SIZE={} -DSORT_GROUP_SIZE={}{}",
+                                    kGroupSize,
+                                    sort_group_size,
+                                    in_double ? " -DSUM_DOUBLE" : "")));
   MOR_TRY(auto move_points, program.kernel("move_points"));
   MOR_TRY(auto turn_errors, program.kernel("turn_errors"));
   MOR_TRY(auto find_nearest, program.kernel("find_nearest"));
@@ -57,8 +60,13 @@ Result<IcpKernels> IcpKernels::build(ComputeContext& context, SumPrecision preci
                     .sum_equations = std::move(sum_equations),
                     .sum_groups = std::move(sum_groups),
                     .precision = precision,
+                    .sort_group_size = sort_group_size,
                     .group_sums = std::move(group_sums),
                     .total_sums = std::move(total_sums)};
+}
+
+std::size_t IcpKernels::num_sort_entries(std::size_t num_points) const {
+  return std::max(2 * sort_group_size, std::bit_ceil(num_points));
 }
 
 Result<void> IcpKernels::reserve_sort(ComputeContext& context, std::size_t num_points) {
@@ -74,9 +82,9 @@ Result<void> IcpKernels::sort(ComputeContext& context,
                               std::size_t num_points) {
   MOR_CHECK(reserve_sort(context, num_points));
   const auto num_entries = static_cast<std::uint32_t>(num_sort_entries(num_points));
-  const auto block = static_cast<std::uint32_t>(kSortBlock);
+  const auto block = static_cast<std::uint32_t>(2 * sort_group_size);
   const WorkSize one_each = WorkSize::at_least(num_entries, kGroupSize);
-  const WorkSize one_a_pair = WorkSize::at_least(num_entries / 2, kGroupSize);
+  const WorkSize one_a_pair = WorkSize::at_least(num_entries / 2, sort_group_size);
   MOR_CHECK(context.run(fill_sort,
                         one_each,
                         static_cast<std::uint32_t>(num_points),

@@ -18,7 +18,6 @@ struct IcpKernels {
   static constexpr std::size_t kGroupSize = 64;
   /// Groups of a sum: enough to fill a large GPU, few enough to be added up by one group.
   static constexpr std::size_t kNumSumGroups = 64;
-  static constexpr std::size_t kSortBlock = 2 * kGroupSize;
 
   /// @errors kDevice: the device does not compile or hold them.
   [[nodiscard]] static Result<IcpKernels> build(ComputeContext& context, SumPrecision precision);
@@ -51,12 +50,15 @@ struct IcpKernels {
   ComputeKernel sum_equations;
   ComputeKernel sum_groups;
   SumPrecision precision = SumPrecision::kSingle;
+  /// Of sort_blocks. The larger, the fewer launches: they are what a GPU's sorting takes.
+  std::size_t sort_group_size = kGroupSize;
   ComputeBuffer group_sums = {};
   ComputeBuffer total_sums = {};
   ComputeBuffer sort_keys = {};
   ComputeBuffer sort_order = {};
 
  private:
+  [[nodiscard]] std::size_t num_sort_entries(std::size_t num_points) const;
   /// Makes room to sort so many entries, once and for all sorts that are no larger.
   [[nodiscard]] Result<void> reserve_sort(ComputeContext& context, std::size_t num_points);
   [[nodiscard]] Result<void> add_groups(ComputeContext& context, std::span<double> totals);
