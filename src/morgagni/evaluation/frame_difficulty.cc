@@ -34,9 +34,8 @@ class Information {
               const Eigen::Vector3d& pivot)
       : camera_(camera), ct_from_depth_(ct_from_depth), pivot_(pivot) {}
 
-  void add(const Eigen::Vector2d& pixel, double z_mm, const Eigen::Vector3d& normal_ct) {
-    const Eigen::Vector2d xy = camera_.ray(pixel);
-    const Eigen::Vector3d ray(xy.x(), xy.y(), 1.0);
+  /// @param ray  Through the pixel, of depth 1.
+  void add(const Eigen::Vector3d& ray, double z_mm, const Eigen::Vector3d& normal_ct) {
     const Eigen::Vector3d normal = ct_from_depth_.linear().transpose() * normal_ct;
     const double along = normal.dot(ray);
     const double facing = -along / ray.norm();
@@ -109,10 +108,13 @@ FrameDifficulty frame_difficulty(const TriangleMesh& skin,
       const double reading_mm = depth_mm(x, y);
       const double z_mm = raster.depth_mm(x, y);
       if (z_mm <= 0.0 || reading_mm <= 0.0) continue;
+      const Eigen::Vector3d ray = camera.ray(Eigen::Vector2d(x, y)).homogeneous();
+      const Eigen::Vector3d normal = face_normal(skin, raster.triangle_idx(x, y));
+      if (normal.dot(ct_from_depth_truth.linear() * ray) >= 0.0) continue;
       ++num_in_view;
       if (std::abs(reading_mm - z_mm) >= kBareMm) continue;
       ++num_bare;
-      information.add(Eigen::Vector2d(x, y), z_mm, face_normal(skin, raster.triangle_idx(x, y)));
+      information.add(ray, z_mm, normal);
     }
   }
   FrameDifficulty difficulty;

@@ -16,7 +16,9 @@ namespace mor {
 
 /// How hard a frame is for any method, by its true pose.
 struct FrameDifficulty {
-  /// Of the pixels that show the body or what covers it, the share that measures the body, 0..1.
+  /// Of the pixels that show the body from outside or what covers it there, the share that measures
+  /// the body, 0..1. What a simulated camera sees of the inside, through an end where the CT was
+  /// cut off, is no skin that a real one could see.
   double bare_share = 0.0;
   /// Cramer-Rao bound of the target registration error, mm: no unbiased method is better over many
   /// draws of the noise, root mean square, even if told which readings are the body's. Infinite

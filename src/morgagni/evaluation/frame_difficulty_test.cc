@@ -3,6 +3,7 @@
 #include "morgagni/evaluation/frame_difficulty.h"
 
 #include <cmath>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -75,6 +76,16 @@ TEST_F(FrameDifficultyTest, HalvesTheBoundWithFourTimesThePixels) {
   // Finer pixels stray less to the side, so somewhat more than by half.
   EXPECT_GT(ratio, 0.25);
   EXPECT_LT(ratio, 0.52);
+}
+
+TEST_F(FrameDifficultyTest, TakesTheInsideOfTheBodyForNoSkin) {
+  const PinholeCamera camera = camera_of(1.0);
+  TriangleMesh inside_out = body_->mesh;
+  for (auto& [a, b, c] : inside_out.triangles) std::swap(b, c);
+  const FrameDifficulty difficulty = frame_difficulty(
+      inside_out, seen(body_->mesh, camera, truth_).view(), camera, truth_, targets_);
+  EXPECT_EQ(difficulty.bare_share, 0.0);
+  EXPECT_TRUE(std::isinf(difficulty.least_tre_mm));
 }
 
 TEST_F(FrameDifficultyTest, HasNoBoundWhereNothingIsSeen) {

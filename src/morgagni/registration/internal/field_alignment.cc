@@ -161,10 +161,9 @@ bool FieldAlignment::run_all(std::span<const Stage> stages, int max_iterations) 
 PoseFit FieldAlignment::fit(const Stage& stage) {
   const NormalEquations equations = look(stage);
   const SensorPoints& points = points_of(stage.points);
-  if (points.size == 0) return {};
-  const auto size = static_cast<double>(points.size);
-  return {.near_fraction = equations.num_near / size,
-          .below_fraction = equations.num_below / size,
+  if (!(points.sum_weights > 0.0)) return {};
+  return {.near_fraction = equations.sum_near_weights / points.sum_weights,
+          .below_fraction = equations.num_below / static_cast<double>(points.size),
           .pair_fraction = equations.sum_weights / points.sum_weights};
 }
 

@@ -34,7 +34,8 @@ struct PoseSpread {
 
 /// How well a pose agrees with what the camera sees.
 struct PoseFit {
-  double near_fraction = 0.0;   ///< Of the points, within 5 mm of the skin.
+  /// Of the points' weight, within 5 mm of skin that faces the camera.
+  double near_fraction = 0.0;
   double below_fraction = 0.0;  ///< Of the points, farther than that below it: seen through it.
   double pair_fraction = 0.0;   ///< Of the points' weight, what the kernel leaves of it.
 

@@ -177,6 +177,8 @@ void Linearizer::find_pairs(const FieldLevel& level,
       const Lanes kernel = tukey_weight(distance, distance > 0.0F ? per_above : per_below);
       const auto compatible = (facing < 0.0F) & (along >= rule.min_normal_cosine);
       pair.weight = compatible ? moving.weight * kernel : Lanes{};
+      const auto near = (distance <= kNearMm) & (distance >= -kNearMm);
+      pair.near_weight = (facing < 0.0F) & near ? moving.weight : Lanes{};
       pair.distance_mm = distance;
       pair.normal_x = x;
       pair.normal_y = y;
@@ -259,6 +261,7 @@ NormalEquations Linearizer::linearize(const FieldLevel& level,
   if (rule.row_above_scale > 0.0F) weigh_by_rows(points, rule);
   const Eigen::Vector3f pivot_mm = pivot.cast<float>();
   Sums sums;
+  Lanes near_weight = {};
   IntLanes num_pairs = {};
   IntLanes num_near = {};
   IntLanes num_below = {};
@@ -271,6 +274,7 @@ NormalEquations Linearizer::linearize(const FieldLevel& level,
              pair.normal_z,
              pair.distance_mm,
              pair.weight);
+    near_weight += pair.near_weight;
     // A mask's lanes are -1 where it holds.
     num_pairs -= pair.weight > 0.0F;
     num_near -= (pair.distance_mm <= kNearMm) & (pair.distance_mm >= -kNearMm);
@@ -282,6 +286,7 @@ NormalEquations Linearizer::linearize(const FieldLevel& level,
   equations.gradient = all.block<6, 1>(0, 6);
   equations.sum_weighted_sq = all(6, 6);
   equations.sum_weights = all(7, 7);
+  equations.sum_near_weights = sum_of(near_weight);
   for (int i = 0; i < kLanes; ++i) {
     equations.num_pairs += num_pairs[i];
     equations.num_near += num_near[i];

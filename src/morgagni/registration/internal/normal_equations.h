@@ -37,8 +37,9 @@ struct NormalEquations {
   double sum_weights = 0.0;
   double sum_weighted_sq = 0.0;  ///< sum w d^2.
   int num_pairs = 0;
-  int num_near = 0;   ///< Points within 5 mm of the skin, pairs or not.
-  int num_below = 0;  ///< Points farther than that below the skin: seen through it.
+  double sum_near_weights = 0.0;  ///< Of points within 5 mm of skin that faces the camera.
+  int num_near = 0;               ///< Points within 5 mm of the skin, pairs or not.
+  int num_below = 0;              ///< Points farther than that below the skin: seen through it.
 };
 
 /// Pairs points with the field; keeps its buffers between calls, so one thread at a time.
@@ -63,7 +64,8 @@ class Linearizer {
     Lanes x, y, z;
     Lanes normal_x, normal_y, normal_z;  ///< Of the skin; before that, offsets from the nodes.
     Lanes distance_mm;
-    Lanes weight;  ///< 0: not a pair.
+    Lanes weight;       ///< 0: not a pair.
+    Lanes near_weight;  ///< The point's own, where it is near skin that faces the camera.
   };
 
   void find_pairs(const FieldLevel& level,
