@@ -13,16 +13,6 @@ namespace mor::internal {
 namespace {
 
 constexpr float kOnSkinMm = 8.0F;
-/// What puts a pose beyond doubt: how much of the weight of the points near the skin rows have that
-/// follow it, and how much of all points', and how much of the skin that nothing covers may not be
-/// there. Either much of what is near follows the skin, or somewhat less and much of all that is
-/// seen, as under a sensor with a systematic error.
-struct Clearness {
-  double least_precision;
-  double least_support;
-  double most_absent;
-};
-constexpr std::array<Clearness, 2> kClear = {{{0.47, 0.02, 0.25}, {0.25, 0.15, 0.15}}};
 /// Beyond these it is most likely wrong.
 constexpr double kPoorPrecision = 0.4;
 constexpr double kPoorFloating = 0.1;
@@ -84,11 +74,9 @@ double FieldSearch::Candidate::score() const {
   return fit.score() * (1.0 - 0.5 * view.absent_fraction());
 }
 
-bool FieldSearch::Candidate::is_clear() const {
-  return std::any_of(kClear.begin(), kClear.end(), [this](const Clearness& clear) {
-    return fit.share_of_near() >= clear.least_precision &&
-           fit.pair_fraction >= clear.least_support && view.absent_fraction() <= clear.most_absent;
-  });
+bool FieldSearch::Candidate::is_clear(const Clearness& least) const {
+  return fit.share_of_near() >= least.least_precision && fit.pair_fraction >= least.least_support &&
+         view.absent_fraction() <= least.most_absent;
 }
 
 bool FieldSearch::Candidate::is_poor() const {
@@ -108,8 +96,9 @@ FieldSearch::FieldSearch(FieldAlignment& alignment,
 bool FieldSearch::run() {
   const Eigen::Isometry3d start = alignment_.pose();
   try_from(start, kApproach);
-  if (is_in_doubt()) try_from(start, kLowApproach);
-  if (is_in_doubt()) try_around(start);
+  const bool is_agreed =
+      is_in_doubt() && try_from(start, kLowApproach) && best_ && best_->is_clear(kClearIfAgreed);
+  if (is_in_doubt() && !is_agreed) try_around(start);
   alignment_.set_pose(best_ ? best_->pose : start);
   return best_.has_value();
 }
@@ -174,17 +163,18 @@ std::vector<Eigen::Isometry3d> FieldSearch::places_around(const Eigen::Isometry3
   return sorted;
 }
 
-void FieldSearch::try_from(const Eigen::Isometry3d& pose, Stages approach) {
+bool FieldSearch::try_from(const Eigen::Isometry3d& pose, Stages approach) {
   alignment_.set_pose(pose);
-  if (!alignment_.run_all(approach.first(kHalfway), max_iterations_) || !is_new(halfway_) ||
-      !alignment_.run_all(approach.subspan(kHalfway), max_iterations_) || !is_new(approached_)) {
-    return;
-  }
+  if (!alignment_.run_all(approach.first(kHalfway), max_iterations_)) return false;
+  if (!is_new(halfway_)) return true;
+  if (!alignment_.run_all(approach.subspan(kHalfway), max_iterations_)) return false;
+  if (!is_new(approached_)) return true;
   // Refinement takes most of a try's time and makes no poor pose a good one.
-  if (best_ && candidate().score() < kHopeless * best_->score()) return;
-  if (!alignment_.run_all(kRefinement, max_iterations_)) return;
+  if (best_ && candidate().score() < kHopeless * best_->score()) return false;
+  if (!alignment_.run_all(kRefinement, max_iterations_)) return false;
   const Candidate found = candidate();
   if (!best_ || found.score() > best_->score()) best_ = found;
+  return false;
 }
 
 FieldSearch::Candidate FieldSearch::candidate() {

@@ -27,6 +27,20 @@ class FieldSearch {
   [[nodiscard]] bool run();
 
  private:
+  /// What puts a pose beyond doubt: how much of the weight of the points near the skin rows have
+  /// that follow it, and how much of all points', and how much of the skin that nothing covers may
+  /// not be there. Of 17,400 poses found on 1,900 pictures the first holds for 92 % of the right
+  /// ones and for 1 of 1,147 wrong.
+  struct Clearness {
+    double least_precision;
+    double least_support;
+    double most_absent;
+  };
+  static constexpr Clearness kClear = {0.47, 0.02, 0.25};
+  /// Where both approaches end at the pose. Under a sensor with a systematic error rows follow the
+  /// skin less, but then much of all that is seen does.
+  static constexpr Clearness kClearIfAgreed = {0.25, 0.15, 0.15};
+
   /// A pose that was found, and the evidence for it.
   struct Candidate {
     Eigen::Isometry3d pose;
@@ -34,14 +48,15 @@ class FieldSearch {
     SkinView view;
 
     [[nodiscard]] double score() const;
-    [[nodiscard]] bool is_clear() const;
+    [[nodiscard]] bool is_clear(const Clearness& least) const;
     [[nodiscard]] bool is_poor() const;
     [[nodiscard]] bool has_support() const;
   };
 
-  [[nodiscard]] bool is_in_doubt() const { return !best_ || !best_->is_clear(); }
+  [[nodiscard]] bool is_in_doubt() const { return !best_ || !best_->is_clear(kClear); }
   void try_around(const Eigen::Isometry3d& start);
-  void try_from(const Eigen::Isometry3d& pose, Stages approach);
+  /// Whether it led to a pose that had been found before.
+  bool try_from(const Eigen::Isometry3d& pose, Stages approach);
   /// `count` places around the start, from number `first` on, the most promising first.
   [[nodiscard]] std::vector<Eigen::Isometry3d> places_around(const Eigen::Isometry3d& start,
                                                              int first,
