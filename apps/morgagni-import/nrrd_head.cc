@@ -64,6 +64,19 @@ Result<void> check_nrrd_sizes(const fs::path& path, const NrrdHead& head, long n
   return num_dimensions == 3 ? check_sides(path.filename().string(), sides) : Result<void>();
 }
 
+/// Teem reads beyond a list that its head holds.
+Result<void> check_nrrd_data_file(const fs::path& path, const NrrdHead& head) {
+  for (const char* key : {"data file", "datafile"}) {
+    const std::string name = head.value(key);
+    if (lower_case(name).starts_with("list") || name.find('%') != std::string::npos) {
+      return make_error(
+          ErrorCode::kUnsupported,
+          path.filename().string() + " keeps its voxels in several files: save it as one .nrrd");
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 /// Teem ends the whole process over a NRRD of many dimensions, and reads "3c" as 3. A spacing that
@@ -77,6 +90,7 @@ Result<void> check_nrrd_head(const fs::path& path) {
   const long num_dimensions = std::strtol(head.value("dimension").c_str(), nullptr, 10);
   if (num_dimensions < 2 || num_dimensions > 4) return refuse_dimensions(path, num_dimensions);
   MOR_CHECK(check_nrrd_sizes(path, head, num_dimensions));
+  MOR_CHECK(check_nrrd_data_file(path, head));
   const auto spacings = words_of(head.value("spacings"));
   const auto is_unknown = [](const std::string& word) { return lower_case(word) == "nan"; };
   if (num_dimensions == 3 && std::any_of(spacings.begin(), spacings.end(), is_unknown)) {

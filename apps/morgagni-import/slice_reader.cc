@@ -6,12 +6,17 @@
 #include <array>
 #include <cmath>
 #include <exception>
+#include <optional>
 #include <string_view>
+#include <utility>
 
 #include <gdcmImage.h>
 #include <gdcmSequenceOfFragments.h>
 
+#include "byte_order.h"
+#include "jpeg_stream.h"
 #include "messages.h"
+#include "rle_pixels.h"
 
 namespace mor::import {
 namespace {
@@ -30,26 +35,27 @@ tl::unexpected<Error> damaged(const DicomSlice& slice) {
                     slice.name + " has damaged or missing pixels: copy the series again");
 }
 
-bool is_read(std::string_view transfer_syntax) {
-  constexpr std::array<std::string_view, 9> kCompressed = {"1.2.840.10008.1.2.5",
-                                                           "1.2.840.10008.1.2.4.50",
-                                                           "1.2.840.10008.1.2.4.51",
-                                                           "1.2.840.10008.1.2.4.57",
-                                                           "1.2.840.10008.1.2.4.70",
-                                                           "1.2.840.10008.1.2.4.80",
-                                                           "1.2.840.10008.1.2.4.81",
-                                                           "1.2.840.10008.1.2.4.90",
-                                                           "1.2.840.10008.1.2.4.91"};
-  return std::find(kCompressed.begin(), kCompressed.end(), transfer_syntax) != kCompressed.end();
+constexpr std::string_view kRle = "1.2.840.10008.1.2.5";
+constexpr std::array<std::string_view, 4> kJpeg = {"1.2.840.10008.1.2.4.50",
+                                                   "1.2.840.10008.1.2.4.51",
+                                                   "1.2.840.10008.1.2.4.57",
+                                                   "1.2.840.10008.1.2.4.70"};
+constexpr std::array<std::string_view, 4> kJpegLsAnd2000 = {"1.2.840.10008.1.2.4.80",
+                                                            "1.2.840.10008.1.2.4.81",
+                                                            "1.2.840.10008.1.2.4.90",
+                                                            "1.2.840.10008.1.2.4.91"};
+
+bool is_one_of(std::string_view transfer_syntax, std::span<const std::string_view> some) {
+  return std::find(some.begin(), some.end(), transfer_syntax) != some.end();
 }
 
-std::uint32_t little_uint32(Bytes bytes) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i) value |= std::to_integer<std::uint32_t>(bytes[i]) << (8 * i);
-  return value;
+bool is_read(std::string_view transfer_syntax) {
+  return transfer_syntax == kRle || is_one_of(transfer_syntax, kJpeg) ||
+         is_one_of(transfer_syntax, kJpegLsAnd2000);
 }
 
 /// The fragments of one frame: each frame has one, or the offset table says where each begins.
+/// None: damaged.
 std::vector<Bytes> fragments_of(const DicomElement& pixels, const DicomSlice& slice) {
   if (pixels.fragments.size() < 2) return {};
   const std::vector<Bytes> all(pixels.fragments.begin() + 1, pixels.fragments.end());
@@ -73,16 +79,14 @@ std::vector<Bytes> fragments_of(const DicomElement& pixels, const DicomSlice& sl
 }
 
 /// Through GDCM's decoders, which get nothing but the compressed bytes and the picture's size.
-Result<std::vector<std::byte>> decoded(const std::vector<Bytes>& fragments,
-                                       const std::string& transfer_syntax,
-                                       const DicomSlice& slice) {
+std::optional<std::vector<std::byte>> decoded_by_gdcm(Bytes stream,
+                                                      const std::string& transfer_syntax,
+                                                      const DicomSlice& slice) {
+  gdcm::Fragment fragment;
+  fragment.SetByteValue(reinterpret_cast<const char*>(stream.data()),
+                        gdcm::VL(static_cast<std::uint32_t>(stream.size())));
   const auto sequence = gdcm::SequenceOfFragments::New();
-  for (const Bytes& bytes : fragments) {
-    gdcm::Fragment fragment;
-    fragment.SetByteValue(reinterpret_cast<const char*>(bytes.data()),
-                          gdcm::VL(static_cast<std::uint32_t>(bytes.size())));
-    sequence->AddFragment(fragment);
-  }
+  sequence->AddFragment(fragment);
   gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x0010));
   pixels.SetVR(gdcm::VR::OB);
   pixels.SetValue(*sequence);
@@ -91,9 +95,10 @@ Result<std::vector<std::byte>> decoded(const std::vector<Bytes>& fragments,
   image.SetDimension(0, static_cast<unsigned>(slice.columns));
   image.SetDimension(1, static_cast<unsigned>(slice.rows));
   const auto& meaning = slice.meaning;
+  // All bits up to the highest: GDCM ends the process where that is not the last of the stored.
   image.SetPixelFormat(gdcm::PixelFormat(1,
                                          static_cast<unsigned short>(meaning.bits_allocated),
-                                         static_cast<unsigned short>(meaning.bits_stored),
+                                         static_cast<unsigned short>(meaning.high_bit + 1),
                                          static_cast<unsigned short>(meaning.high_bit),
                                          meaning.is_signed ? 1 : 0));
   image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
@@ -107,7 +112,25 @@ Result<std::vector<std::byte>> decoded(const std::vector<Bytes>& fragments,
   } catch (const std::exception&) {
     // What the decoder did not like does not help who has the file.
   }
-  return damaged(slice);
+  return {};
+}
+
+/// What one frame's fragments hold together. Nothing: damaged.
+std::optional<std::vector<std::byte>> decoded(const std::vector<Bytes>& fragments,
+                                              const std::string& transfer_syntax,
+                                              const DicomSlice& slice) {
+  std::vector<std::byte> stream;
+  for (const Bytes& bytes : fragments) stream.insert(stream.end(), bytes.begin(), bytes.end());
+  if (transfer_syntax == kRle) {
+    const auto bytes_per_pixel = static_cast<std::size_t>(slice.meaning.bits_allocated / 8);
+    return decode_rle(stream, num_bytes_of(slice) / bytes_per_pixel, bytes_per_pixel);
+  }
+  if (is_one_of(transfer_syntax, kJpeg)) {
+    auto checked = checked_jpeg(stream, slice.columns, slice.rows);
+    if (!checked) return {};
+    stream = std::move(*checked);
+  }
+  return decoded_by_gdcm(stream, transfer_syntax, slice);
 }
 
 }  // namespace
@@ -135,9 +158,9 @@ Result<std::vector<std::byte>> SliceReader::stored_pixels(const DicomSlice& slic
                         slice.name + " is compressed in a way that is not read (transfer syntax " +
                             file_.transfer_syntax + "): export it uncompressed");
     }
-    const auto fragments = fragments_of(*pixels, slice);
-    if (fragments.empty()) return damaged(slice);
-    return decoded(fragments, file_.transfer_syntax, slice);
+    auto result = decoded(fragments_of(*pixels, slice), file_.transfer_syntax, slice);
+    if (!result) return damaged(slice);
+    return *std::move(result);
   }
   const std::size_t num_bytes = num_bytes_of(slice);
   if (pixels->value.size() / static_cast<std::size_t>(slice.num_frames) < num_bytes)

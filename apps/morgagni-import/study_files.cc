@@ -114,6 +114,8 @@ class ZipFiles : public StudyFiles {
       : path_(std::move(path)), archive_(archive, zip_discard) {}
 
   Result<void> list() {
+    std::error_code failure;
+    const std::uintmax_t archive_bytes = fs::file_size(path_, failure);
     const auto num_entries = ::zip_get_num_entries(archive_.get(), 0);
     if (num_entries > static_cast<zip_int64_t>(kMaxFiles)) return too_many_files(path_);
     for (zip_int64_t i = 0; i < num_entries; ++i) {
@@ -124,6 +126,12 @@ class ZipFiles : public StudyFiles {
       if ((info.valid & ZIP_STAT_ENCRYPTION_METHOD) != 0 && info.encryption_method != ZIP_EM_NONE) {
         return make_error(ErrorCode::kUnsupported,
                           path_.string() + " is encrypted: unpack it first and give the folder");
+      }
+      if (info.comp_size > archive_bytes) {
+        return make_error(ErrorCode::kIo,
+                          path_.string() + " is cut short or damaged: it says that it holds " +
+                              std::to_string(info.comp_size) + " bytes of one file, and has " +
+                              std::to_string(archive_bytes));
       }
       entries_.push_back({static_cast<zip_uint64_t>(i), info.name, info.size, info.comp_size});
     }
