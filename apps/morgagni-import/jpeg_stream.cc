@@ -15,12 +15,20 @@ constexpr unsigned kStart = 0xD8;
 constexpr unsigned kScan = 0xDA;
 constexpr unsigned kHuffmanTables = 0xC4;
 constexpr unsigned kArithmeticTables = 0xCC;
+constexpr unsigned kQuantizationTables = 0xDB;
+constexpr unsigned kRestartInterval = 0xDD;
 constexpr unsigned kExtension = 0xC8;
 constexpr unsigned kComment = 0xFE;
 
 bool is_frame(unsigned marker) {
   return marker >= 0xC0 && marker <= 0xCF && marker != kHuffmanTables && marker != kExtension &&
          marker != kArithmeticTables;
+}
+
+/// What a head may hold besides: all others stand without a length, or have no place in it.
+bool is_table(unsigned marker) {
+  return marker == kHuffmanTables || marker == kArithmeticTables || marker == kQuantizationTables ||
+         marker == kRestartInterval;
 }
 
 bool is_left_out(unsigned marker) {
@@ -49,6 +57,8 @@ std::optional<std::vector<std::byte>> checked_jpeg(Bytes stream, int columns, in
       ++at;
       continue;
     }
+    if (!is_frame(marker) && !is_table(marker) && !is_left_out(marker) && marker != kScan)
+      return {};
     const std::size_t length = big_uint16(stream.subspan(at + 2));
     if (length < 2 || length > stream.size() - at - 2) return {};
     if (is_frame(marker)) {
