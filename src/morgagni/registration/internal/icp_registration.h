@@ -17,9 +17,10 @@ namespace mor::internal {
 ///   closed-form motion of Horn 1987.
 /// - Trimmed: Chetverikov et al., "The trimmed iterative closest point algorithm", ICPR 2002.
 /// - Anisotropic (A-ICP): Maier-Hein et al., "Convergent iterative closest-point algorithm to
-///   account for anisotropic and inhomogenous localization error", IEEE PAMI 2012, with the
-///   weighted motion of Balachandran & Fitzpatrick, "Iterative solution for rigid-body point-based
-///   registration with anisotropic weighting", SPIE 2009.
+///   accomodate anisotropic and inhomogenous localization error", IEEE PAMI 34(8), 2012,
+///   doi:10.1109/TPAMI.2011.248, with the weighted motion of Balachandran & Fitzpatrick,
+///   "Iterative solution for rigid-body point-based registration with anisotropic weighting", SPIE
+///   2009.
 ///
 /// A cloud on a line, plane or sphere, and pairs that leave the pose open, end as kDegenerate with
 /// the start pose.

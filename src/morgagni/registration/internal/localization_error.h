@@ -30,7 +30,7 @@ struct SkinError {
 [[nodiscard]] std::vector<SensorError> sensor_errors(std::span<const Eigen::Vector3f> points);
 
 /// From the vertices around each: along the surface their spread, along the normal the relief.
-/// Maier-Hein et al. 2012 take both from such a neighbourhood.
+/// Maier-Hein et al. 2012 take both from such a neighbourhood (their CM_PCA).
 /// @param mesh  With normals.
 [[nodiscard]] std::vector<SkinError> skin_errors(const TriangleMesh& mesh);
 
