@@ -2,12 +2,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/registration/internal/alignment_input.h"
 
+#include <cmath>
+#include <vector>
+
 #include <spdlog/fmt/fmt.h>
 
 namespace mor::internal {
 namespace {
 
 constexpr double kRotationTolerance = 1e-6;
+
+/// Finite only when all of them are: one test instead of one a point.
+float sum_of_coordinates(const std::vector<Eigen::Vector3f>& vectors) {
+  if (vectors.empty()) return 0.0F;
+  return Eigen::Map<const Eigen::VectorXf>(vectors.front().data(),
+                                           3 * static_cast<Eigen::Index>(vectors.size()))
+      .sum();
+}
 
 }  // namespace
 
@@ -28,11 +39,7 @@ Result<void> check_alignment_input(const PointCloud& moving,
                     moving.points.size(),
                     moving.normals.size()));
   }
-  // A sum is finite only when all of its terms are: one test instead of one a point.
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  for (const auto& point : moving.points) sum += point;
-  for (const auto& normal : moving.normals) sum += normal;
-  if (!sum.allFinite()) {
+  if (!std::isfinite(sum_of_coordinates(moving.points) + sum_of_coordinates(moving.normals))) {
     return make_error(ErrorCode::kInvalidArgument,
                       "the moving surface holds a point or normal that is not finite");
   }

@@ -71,8 +71,9 @@ FieldAlignment::FieldAlignment(const DistanceField& field,
       pose_(start) {
   const auto kept = points_in_box(moving, start, reach_of(field));
   few_ = take_points(moving, kept, 1, stride_for(kept.size(), kFewPoints));
-  runs_ = take_points(moving, kept, kRunLength, stride_for(kept.size(), kRunPoints));
   all_ = take_points(moving, kept, 1, 1);
+  const std::size_t runs_stride = stride_for(kept.size(), kRunPoints);
+  if (runs_stride > 1) runs_ = take_points(moving, kept, kRunLength, runs_stride);
   double count = 0.0;
   double sum_sq_mm2 = 0.0;
   for_each_point(few_, [&](const Eigen::Vector3d& p) {
@@ -91,7 +92,8 @@ const SensorPoints& FieldAlignment::points_of(PointShare share) const {
     case PointShare::kFew:
       return few_;
     case PointShare::kRuns:
-      return runs_;
+      // So few points that the runs are all of them.
+      return runs_.size > 0 ? runs_ : all_;
     case PointShare::kAll:
       break;
   }

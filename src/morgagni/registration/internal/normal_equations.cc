@@ -223,15 +223,20 @@ void Linearizer::weigh_by_rows(const SensorPoints& points, const PairingRule& ru
 double Linearizer::mean_sq_between_rows(const SensorPoints& points) const {
   constexpr std::size_t kRow = 2 * kRowReach + 1;
   // Of the pairs before each: the sum of their distances, and their number.
-  std::vector<double> sums_mm = {0.0};
-  std::vector<std::size_t> counts = {0};
-  for (std::size_t i = 0; i < points.size; ++i) {
-    const PairLanes& pair = pairs_[i / kLanes];
-    const auto lane = static_cast<int>(i % kLanes);
-    const bool is_pair = pair.weight[lane] > 0.0F;
-    sums_mm.push_back(sums_mm.back() +
-                      (is_pair ? static_cast<double>(pair.distance_mm[lane]) : 0.0));
-    counts.push_back(counts.back() + (is_pair ? 1 : 0));
+  std::vector<double> sums_mm(pairs_.size() * kLanes + 1);
+  std::vector<std::uint32_t> counts(sums_mm.size());
+  double sum_mm = 0.0;
+  std::uint32_t num_pairs = 0;
+  std::size_t before = 0;
+  for (const PairLanes& pair : pairs_) {
+    const auto is_pair = pair.weight > 0.0F;
+    const Lanes distance_mm = is_pair ? pair.distance_mm : Lanes{};
+    for (int lane = 0; lane < kLanes; ++lane) {
+      sum_mm += static_cast<double>(distance_mm[lane]);
+      num_pairs += is_pair[lane] != 0 ? 1 : 0;
+      sums_mm[++before] = sum_mm;
+      counts[before] = num_pairs;
+    }
   }
   double sum = 0.0;
   double count = 0.0;

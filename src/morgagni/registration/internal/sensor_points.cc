@@ -38,18 +38,17 @@ void find_rows(const PointCloud& moving,
                const std::vector<std::uint32_t>& taken,
                std::vector<RowReach>& rows) {
   rows.resize(taken.size());
+  std::size_t reach = 0;
+  const auto extend = [&reach](bool is_connected) {
+    reach = is_connected ? std::min(kRowReach, reach + 1) : 0;
+    return static_cast<std::uint8_t>(reach);
+  };
   for (std::size_t i = 1; i < taken.size(); ++i) {
     const Eigen::Vector3f gap = moving.points[taken[i]] - moving.points[taken[i - 1]];
-    if (gap.squaredNorm() > kRowGapMm * kRowGapMm) continue;
-    rows[i].before = static_cast<std::uint8_t>(
-        std::min<std::size_t>(kRowReach, static_cast<std::size_t>(rows[i - 1].before) + 1));
-    rows[i - 1].after = 1;
+    rows[i].before = extend(gap.squaredNorm() <= kRowGapMm * kRowGapMm);
   }
-  for (std::size_t i = taken.size(); i-- > 1;) {
-    if (rows[i - 1].after == 0) continue;
-    rows[i - 1].after = static_cast<std::uint8_t>(
-        std::min<std::size_t>(kRowReach, static_cast<std::size_t>(rows[i].after) + 1));
-  }
+  reach = 0;
+  for (std::size_t i = taken.size(); i-- > 1;) rows[i - 1].after = extend(rows[i].before > 0);
 }
 
 }  // namespace

@@ -15,6 +15,8 @@ constexpr float kCellsPerSlope = 70.0F;
 /// Wider views than this are cut: 150 degrees.
 constexpr int kMaxSide = 512;
 constexpr std::size_t kNumPoints = 800;
+/// The slope of a point behind the camera.
+constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
 /// Skin seen at a flatter angle is left out: a pose right to a millimetre may put it beside the
 /// body.
 constexpr float kMinFacing = 0.45F;
@@ -25,11 +27,13 @@ RangeMap::RangeMap(const PointCloud& moving) {
   const float kMost = 0.5F * static_cast<float>(kMaxSide) / kCellsPerSlope;
   Eigen::Array2f low = Eigen::Array2f::Constant(std::numeric_limits<float>::infinity());
   Eigen::Array2f high = -low;
-  for (const auto& p : moving.points) {
+  std::vector<Eigen::Array2f> slopes(moving.size(), Eigen::Array2f::Constant(kNowhere));
+  for (std::size_t i = 0; i < moving.size(); ++i) {
+    const Eigen::Vector3f& p = moving.points[i];
     if (!(p.z() > 0.0F)) continue;
-    const Eigen::Array2f slope = p.head<2>().array() / p.z();
-    low = low.min(slope);
-    high = high.max(slope);
+    slopes[i] = p.head<2>().array() / p.z();
+    low = low.min(slopes[i]);
+    high = high.max(slopes[i]);
   }
   if (!(low.x() <= high.x())) return;
   first_ = low.max(-kMost);
@@ -37,18 +41,18 @@ RangeMap::RangeMap(const PointCloud& moving) {
   width_ = static_cast<int>(std::max(0.0F, span.x())) + 1;
   height_ = static_cast<int>(std::max(0.0F, span.y())) + 1;
   cells_.assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), {});
-  for (const auto& p : moving.points) {
-    const auto index = index_of(p);
+  for (std::size_t i = 0; i < moving.size(); ++i) {
+    const auto index = index_of(slopes[i]);
     if (!index) continue;
+    const float z_mm = moving.points[i].z();
     Cell& cell = cells_[*index];
-    cell.nearest_mm = cell.farthest_mm == 0.0F ? p.z() : std::min(cell.nearest_mm, p.z());
-    cell.farthest_mm = std::max(cell.farthest_mm, p.z());
+    cell.nearest_mm = cell.farthest_mm == 0.0F ? z_mm : std::min(cell.nearest_mm, z_mm);
+    cell.farthest_mm = std::max(cell.farthest_mm, z_mm);
   }
 }
 
-std::optional<std::size_t> RangeMap::index_of(const Eigen::Vector3f& point) const {
-  if (!(point.z() > 0.0F)) return std::nullopt;
-  const Eigen::Array2f place = (point.head<2>().array() / point.z() - first_) * kCellsPerSlope;
+std::optional<std::size_t> RangeMap::index_of(const Eigen::Array2f& slope) const {
+  const Eigen::Array2f place = (slope - first_) * kCellsPerSlope;
   // Written so that NaN is outside.
   if (!(place.x() >= 0.0F && place.y() >= 0.0F && place.x() < static_cast<float>(width_) &&
         place.y() < static_cast<float>(height_))) {
@@ -59,7 +63,8 @@ std::optional<std::size_t> RangeMap::index_of(const Eigen::Vector3f& point) cons
 }
 
 const RangeMap::Cell* RangeMap::at(const Eigen::Vector3f& point) const {
-  const auto index = index_of(point);
+  if (!(point.z() > 0.0F)) return nullptr;
+  const auto index = index_of(point.head<2>().array() / point.z());
   return index ? &cells_[*index] : nullptr;
 }
 

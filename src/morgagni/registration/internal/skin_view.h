@@ -29,7 +29,7 @@ class RangeMap {
 
  private:
   /// Of `cells_`; none outside.
-  [[nodiscard]] std::optional<std::size_t> index_of(const Eigen::Vector3f& point) const;
+  [[nodiscard]] std::optional<std::size_t> index_of(const Eigen::Array2f& slope) const;
 
   Eigen::Array2f first_ = Eigen::Array2f::Zero();  ///< Ray slope of the first cell's border.
   int width_ = 0;
