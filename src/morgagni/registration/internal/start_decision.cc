@@ -3,6 +3,7 @@
 #include "morgagni/registration/internal/start_decision.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <spdlog/fmt/fmt.h>
 
@@ -17,12 +18,15 @@ constexpr double kHiddenCost = 0.02;
 constexpr double kMostFloating = 0.4;  ///< Of what agrees.
 constexpr double kLeastHold = 5e-5;    ///< Share of the skin's area times firmness.
 constexpr double kLeastPatches = 2.0;
-constexpr double kMostUnevenMm = 1.15;
+constexpr double kMostUnevenMm = 1.05;  ///< In a picture, whatever its sensor's errors.
+constexpr double kMostUnevenEvenedMm = 0.37;  ///< In the mean of several, without any noise,
+constexpr double kMostUnevenNoise = 0.45;     ///< and what a reading's noise adds to it.
 constexpr double kMostlyAgrees = 0.85;  ///< Of what nothing hides,
 constexpr double kHardlyAgrees = 0.35;  ///< or from here down.
 constexpr double kRunnerUpDoubt = 0.4;  ///< What a runner-up of equal evidence weighs.
 constexpr double kTriesDoubt = 0.05;    ///< Where it is not the first picture.
 constexpr double kMostDoubt = 0.75;     ///< All together.
+constexpr double kMostDoubtEvened = 0.88;  ///< In the mean of several: unevenness says more there.
 constexpr double kMostMirrored = 1.0;   ///< Where it fits as well, the CT may be mirrored.
 
 struct Doubts {
@@ -46,13 +50,18 @@ double open_share(const SkinAgreement& look) {
   return ratio(look.num_agree, look.num_seen - look.num_hidden);
 }
 
+double most_uneven_mm(const SkinAgreement& look) {
+  if (look.noise_share >= 1.0) return kMostUnevenMm;
+  return std::hypot(kMostUnevenEvenedMm, kMostUnevenNoise * look.noise_share * look.noise_mm);
+}
+
 Doubts doubts_of(const SkinAgreement& look) {
-  const double unevenness = look.uneven_mm / kMostUnevenMm;
+  const double unevenness = look.uneven_mm / most_uneven_mm(look);
   return {
       .floating = ratio(look.num_floating, look.num_agree) / kMostFloating,
-      .loose = ratio(kLeastHold, look.area_share * look.firmness),
-      .few = ratio(kLeastPatches, look.num_patches),
-      .uneven = unevenness * unevenness,
+      .loose = ratio(kLeastHold * look.noise_share, look.area_share * look.firmness),
+      .few = ratio(kLeastPatches * look.noise_share, look.num_patches),
+      .uneven = std::pow(unevenness, 4),
       .partly = std::max(0.0, kMostlyAgrees - open_share(look)) / (kMostlyAgrees - kHardlyAgrees)};
 }
 
@@ -92,7 +101,8 @@ StartVerdict refused(const SkinAgreement& look) {
 
 double evidence(const SkinAgreement& agreement) {
   return agreement.num_agree - kOpenShare * (agreement.num_seen - agreement.num_hidden) -
-         kFloatingCost * agreement.num_floating - kHiddenCost * agreement.num_hidden;
+         kFloatingCost * agreement.num_floating -
+         kHiddenCost * agreement.noise_share * agreement.num_hidden;
 }
 
 double trust(const SkinAgreement& look) {
@@ -101,14 +111,17 @@ double trust(const SkinAgreement& look) {
 }
 
 double believed_evidence(const SkinAgreement& look) {
+  const double speaks = evidence(look);
+  if (!(speaks > 0.0)) return speaks - 1.0;
   // Without any trust still in order, below all that has some.
   const double believed = trust(look);
-  return believed > 0.0 ? believed * evidence(look) : std::min(0.0, evidence(look));
+  return believed > 0.0 ? believed * speaks : std::max(-1.0, believed / kBeyondMeasure);
 }
 
 double margin(const SkinAgreement& look, double runner_up_share, std::size_t num_tries) {
-  return trust(look) - kRunnerUpDoubt * runner_up_share - (num_tries > 1 ? kTriesDoubt : 0.0) -
-         (1.0 - kMostDoubt);
+  const double most_doubt =
+      look.noise_share < 1.0 ? kMostDoubtEvened : kMostDoubt - (num_tries > 1 ? kTriesDoubt : 0.0);
+  return trust(look) - kRunnerUpDoubt * runner_up_share - (1.0 - most_doubt);
 }
 
 StartVerdict decide_start(const StartCase& best) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
@@ -24,12 +23,11 @@ constexpr SearchEffort kSecondEffort{.max_searched = 400, .max_refined = 60, .ma
 constexpr StartVolumeOptions kCoarseVolume{.nodes_along_body = 48.0F, .reach_nodes = 2.5F};
 constexpr StartVolumeOptions kFineVolume{.nodes_along_body = 96.0F, .reach_nodes = 2.5F};
 constexpr double kFloatingCost = 2.0;
-constexpr double kNearbyShift = 0.04;  ///< Of the extent.
-constexpr double kNearbyTurnRad = 0.1;
 constexpr float kMostBelowTable = 0.05F;  ///< Of the readings.
 constexpr std::size_t kLeastPoints = 60;
 constexpr std::size_t kMostRecalled = 12;
 constexpr std::size_t kMostSharpened = 4;
+constexpr std::size_t kMostSearchedAround = 3;
 
 }  // namespace
 
@@ -189,43 +187,6 @@ void StartFinder::sharpen(const StartPicture& picture,
   keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
 }
 
-/// Refines the best finding from places around it as well: a towel beside bare skin makes a second
-/// dip near the right one.
-void StartFinder::search_nearby(const StartPicture& picture,
-                                const std::vector<StartPlane>& planes,
-                                StartFinding& best,
-                                const std::stop_token& stop) const {
-  const Eigen::Vector3d& up = best.up_ct;
-  const Eigen::Vector3d along = up.unitOrthogonal();
-  const Eigen::Vector3d across = up.cross(along);
-  const double shift_mm = kNearbyShift * extent_mm_;
-  std::vector<StartFinding> nearby;
-  for (const double turn_rad : {0.0, -kNearbyTurnRad, kNearbyTurnRad}) {
-    for (int direction = 0; direction < 7; ++direction) {
-      if (direction == 0 && turn_rad == 0.0) continue;
-      const double angle_rad = direction * std::numbers::pi / 3.0;
-      const Eigen::Vector3d shift =
-          direction == 0 ? Eigen::Vector3d(Eigen::Vector3d::Zero())
-                         : Eigen::Vector3d(shift_mm * (std::cos(angle_rad) * along +
-                                                       std::sin(angle_rad) * across));
-      StartFinding moved = best;
-      // Held at the height that the plane gives, not at what a towel made of it.
-      moved.ct_from_depth = Eigen::Translation3d(bounds_.center() + shift) *
-                            Eigen::AngleAxisd(turn_rad, up) *
-                            Eigen::Translation3d(-bounds_.center()) * best.on_plane;
-      nearby.push_back(moved);
-    }
-  }
-  refine(picture, *best.scene, nearby, stop);
-  keep_best(nearby, kFirstEffort.max_verified, 0.0, bounds_);
-  for (auto& finding : nearby) {
-    if (stop.stop_requested()) return;
-    finding.agreement = verifier_.look(picture, planes, finding.ct_from_depth, kLookToleranceMm);
-    finding.score = believed_evidence(finding.agreement);
-    if (finding.score > best.score) best = finding;
-  }
-}
-
 Result<std::vector<StartFinding>> StartFinder::find_on(
     const StartPicture& picture,
     const std::vector<StartPlane>& planes,
@@ -255,8 +216,8 @@ Result<std::vector<StartFinding>> StartFinder::find_on(
   verify(picture, planes, findings, stop);
   if (settles(findings)) return findings;
   sharpen(picture, planes, findings, stop);
-  if (!findings.empty() && !settles(findings)) {
-    search_nearby(picture, planes, findings[0], stop);
+  if (!settles(findings)) {
+    search_around(picture, planes, scene->even, 1, findings);
     keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
   }
   if (stop.stop_requested()) return cancelled();
@@ -312,6 +273,10 @@ Result<StartFinder::Findings> StartFinder::find_all(const StartRecall& recall,
     auto all = recall.findings;
     all.insert(all.end(), findings.here.begin(), findings.here.end());
     findings.together = judge_together(recall.views, std::move(all));
+    if (passes(findings.together, recall.num_searched)) return true;
+    const auto& newest = recall.views.newest();
+    search_around(newest.picture, seen, newest.standing, kMostSearchedAround, findings.together);
+    findings.together = judge_together(recall.views, std::move(findings.together));
     return passes(findings.together, recall.num_searched);
   };
   MOR_TRY(bool is_found, search(seen, kFirstEffort));
@@ -337,6 +302,18 @@ void StartFinder::take_in(ImageView<const std::uint16_t> depth_mm, StartRecall& 
   ++recall.num_searched;
 }
 
+/// Whether the newest picture alone would settle the best finding.
+bool StartFinder::settles_alone(const StartRecall& recall,
+                                const std::vector<StartFinding>& here) const {
+  if (here.empty()) return false;
+  auto alone = here;
+  alone[0].agreement = verifier_.look(recall.views.newest().own,
+                                      recall.views.newest().planes,
+                                      here[0].ct_from_depth,
+                                      kLookToleranceMm);
+  return passes(alone, recall.num_searched);
+}
+
 Result<AutomaticStartResult> StartFinder::find(ImageView<const std::uint16_t> depth_mm,
                                                const std::stop_token& stop) const {
   StartRecall alone;
@@ -356,8 +333,7 @@ Result<AutomaticStartResult> StartFinder::find_next(ImageView<const std::uint16_
     recall = {};  // Poses and pictures must belong together.
     return result;
   }
-  if (!passes(findings->judged(), recall.num_searched) &&
-      passes(findings->here, recall.num_searched)) {
+  if (!passes(findings->judged(), recall.num_searched) && settles_alone(recall, findings->here)) {
     // What came before does not bear out what this picture alone would settle: begin anew here.
     if (recall.views.are_several()) recall.views.forget_earlier();
     recall.findings = std::move(findings->here);

@@ -79,18 +79,32 @@ class StartFinder {
   [[nodiscard]] Result<Findings> find_all(const StartRecall& recall,
                                           bool searches_wide,
                                           const std::stop_token& stop) const;
+  [[nodiscard]] bool settles_alone(const StartRecall& recall,
+                                   const std::vector<StartFinding>& here) const;
   [[nodiscard]] Result<AutomaticStartResult> decide(const StartRecall& recall,
                                                     const std::vector<StartFinding>& findings,
                                                     const std::stop_token& stop) const;
   /// What the pictures say of the best of these poses together, best first.
   [[nodiscard]] std::vector<StartFinding> judge_together(const SeenViews& views,
                                                          std::vector<StartFinding> findings) const;
+  [[nodiscard]] Eigen::Isometry3d laid_down(const StartFinding& finding) const;
+  [[nodiscard]] Eigen::Isometry3d about_center(const Eigen::Vector3d& shift_mm,
+                                               double turn_rad,
+                                               const Eigen::Vector3d& up_ct) const;
+  [[nodiscard]] std::vector<StartFinding> places_around(const StartPicture& picture,
+                                                        const StartFinding& finding) const;
+  void search_around(const StartPicture& picture,
+                     const std::vector<StartPlane>& planes,
+                     const PointCloud& points,
+                     std::size_t count,
+                     std::vector<StartFinding>& findings) const;
   void refine_together(const SeenViews& views,
                        const PointCloud& standing,
                        StartFinding& finding) const;
   [[nodiscard]] SkinAgreement glance_at(const SeenViews& views,
                                         const Eigen::Isometry3d& ct_from_depth) const;
   [[nodiscard]] SkinAgreement look_at(const SeenViews& views,
+                                      StartPicture SeenView::*kind,
                                       const Eigen::Isometry3d& ct_from_depth) const;
   [[nodiscard]] Result<double> mirrored_share(const SeenViews& views,
                                               const StartFinding& finding,
@@ -129,11 +143,6 @@ class StartFinder {
                const std::vector<StartPlane>& planes,
                std::vector<StartFinding>& findings,
                const std::stop_token& stop) const;
-  void search_nearby(const StartPicture& picture,
-                     const std::vector<StartPlane>& planes,
-                     StartFinding& best,
-                     const std::stop_token& stop) const;
-
   AutomaticStartOptions options_;
   StartPictureMaker maker_;
   std::shared_ptr<const FixedSurface> fixed_;

@@ -19,6 +19,11 @@ namespace {
 constexpr std::size_t kMostLookedAt = 10;
 constexpr double kHopeless = -1.0;   ///< Trust that no closer fit betters enough.
 constexpr double kTwinShare = 0.01;  ///< Of the extent: poses this near are the same one.
+constexpr double kAroundShift = 0.08;  ///< Of the extent.
+constexpr double kAroundTurnRad = 0.3;
+constexpr int kAroundSteps = 6;
+constexpr int kAroundTurns = 9;
+constexpr std::size_t kAroundKept = 6;
 
 }  // namespace
 
@@ -34,11 +39,14 @@ SkinAgreement StartFinder::glance_at(const SeenViews& views,
 }
 
 SkinAgreement StartFinder::look_at(const SeenViews& views,
+                                   StartPicture SeenView::*kind,
                                    const Eigen::Isometry3d& ct_from_depth) const {
   std::vector<SkinAgreement> looks;
   for (const auto& view : views.all()) {
-    looks.push_back(verifier_.look(
-        view.picture, view.planes, ct_from_depth * view.newest_from_this, kLookToleranceMm));
+    looks.push_back(verifier_.look(view.*kind,
+                                   view.planes,
+                                   ct_from_depth * view.newest_from_this,
+                                   kLookToleranceMm));
   }
   return pooled(looks);
 }
@@ -76,7 +84,7 @@ std::vector<StartFinding> StartFinder::judge_together(const SeenViews& views,
   tbb::parallel_for(std::size_t{0}, findings.size(), [&](std::size_t i) {
     refine_together(views, standing, findings[i]);
     StartFinding& finding = findings[i];
-    finding.agreement = look_at(views, finding.ct_from_depth);
+    finding.agreement = look_at(views, &SeenView::picture, finding.ct_from_depth);
     finding.score = believed_evidence(finding.agreement);
     if (trust(finding.agreement) < kHopeless) return;
     const Eigen::Isometry3d close = refine_on_plane(fixed_->field,
@@ -84,14 +92,98 @@ std::vector<StartFinding> StartFinder::judge_together(const SeenViews& views,
                                                     finding.ct_from_depth,
                                                     {finding.up_ct, 3.0, 0.02},
                                                     close_round(noise_at(finding.ct_from_depth)));
-    const auto agreement = look_at(views, close);
+    const auto agreement = look_at(views, &SeenView::picture, close);
     if (believed_evidence(agreement) <= finding.score) return;
     finding.ct_from_depth = close;
     finding.agreement = agreement;
     finding.score = believed_evidence(agreement);
   });
   keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
+  if (findings.empty() || margin(findings[0].agreement, 0.0, 2) > 0.0) return findings;
+  // A sensor's own errors do not go away in the mean of its pictures: each for itself, then.
+  const auto apart = look_at(views, &SeenView::own, findings[0].ct_from_depth);
+  if (margin(apart, 0.0, 2) > 0.0) {
+    findings[0].agreement = apart;
+    findings[0].score = believed_evidence(apart);
+  }
   return findings;
+}
+
+/// The finding put back onto its plane: shifts along it and the turn about its normal are kept.
+Eigen::Isometry3d StartFinder::laid_down(const StartFinding& finding) const {
+  const Eigen::Isometry3d moved = finding.ct_from_depth * finding.on_plane.inverse();
+  const Eigen::Vector3d shift = moved * bounds_.center() - bounds_.center();
+  const Eigen::AngleAxisd turned(Eigen::Matrix3d(moved.linear()));
+  return about_center(shift - finding.up_ct * finding.up_ct.dot(shift),
+                      turned.angle() * turned.axis().dot(finding.up_ct),
+                      finding.up_ct) *
+         finding.on_plane;
+}
+
+Eigen::Isometry3d StartFinder::about_center(const Eigen::Vector3d& shift_mm,
+                                            double turn_rad,
+                                            const Eigen::Vector3d& up_ct) const {
+  return Eigen::Translation3d(bounds_.center() + shift_mm) * Eigen::AngleAxisd(turn_rad, up_ct) *
+         Eigen::Translation3d(-bounds_.center());
+}
+
+/// Glances at all places near where the finding lies on its plane, and keeps those where most of
+/// the skin shows.
+std::vector<StartFinding> StartFinder::places_around(const StartPicture& picture,
+                                                     const StartFinding& finding) const {
+  const Eigen::Isometry3d middle = laid_down(finding);
+  const Eigen::Vector3d along = finding.up_ct.unitOrthogonal();
+  const Eigen::Vector3d across = finding.up_ct.cross(along);
+  const double step_mm = kAroundShift * extent_mm_ / kAroundSteps;
+  const double step_rad = kAroundTurnRad / kAroundTurns;
+  const auto tolerance_mm = kLookToleranceMm + 0.5F * static_cast<float>(step_mm) +
+                            2.0F * picture.noise_share * noise_at(middle);
+  constexpr int kSide = 2 * kAroundSteps + 1;
+  std::vector<StartFinding> places(static_cast<std::size_t>((2 * kAroundTurns + 1) * kSide * kSide),
+                                   finding);
+  tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
+    const int cell = static_cast<int>(i);
+    const double turn_rad = step_rad * (cell / (kSide * kSide) - kAroundTurns);
+    const double x_mm = step_mm * (cell % kSide - kAroundSteps);
+    const double y_mm = step_mm * (cell / kSide % kSide - kAroundSteps);
+    places[i].ct_from_depth =
+        about_center(x_mm * along + y_mm * across, turn_rad, finding.up_ct) * middle;
+    places[i].score = evidence(verifier_.glance(picture, places[i].ct_from_depth, tolerance_mm));
+  });
+  keep_best(places, kAroundKept, 1.5 * step_mm, bounds_);
+  return places;
+}
+
+/// Looks for a better dip around the best findings: beside clutter there are several next to one
+/// another, and where the noise is less the right one is deeper.
+void StartFinder::search_around(const StartPicture& picture,
+                                const std::vector<StartPlane>& planes,
+                                const PointCloud& points,
+                                std::size_t count,
+                                std::vector<StartFinding>& findings) const {
+  std::vector<StartFinding> around;
+  for (std::size_t i = 0; i < std::min(findings.size(), count); ++i) {
+    const auto places = places_around(picture, findings[i]);
+    around.insert(around.end(), places.begin(), places.end());
+  }
+  tbb::parallel_for(std::size_t{0}, around.size(), [&](std::size_t i) {
+    StartFinding& finding = around[i];
+    const float noise_mm = picture.noise_share * noise_at(finding.ct_from_depth);
+    finding.ct_from_depth = refine_on_plane(fixed_->field,
+                                            points,
+                                            finding.ct_from_depth,
+                                            {finding.up_ct, 0.5, 0.003},
+                                            {noise_mm + 1.0F, noise_mm + 2.0F, true, 8});
+    finding.ct_from_depth = refine_on_plane(fixed_->field,
+                                            points,
+                                            finding.ct_from_depth,
+                                            {finding.up_ct, 3.0, 0.02},
+                                            close_round(noise_mm));
+    finding.agreement =
+        verifier_.look(picture, planes, finding.ct_from_depth, kLookToleranceMm);
+    finding.score = believed_evidence(finding.agreement);
+  });
+  findings.insert(findings.end(), around.begin(), around.end());
 }
 
 /// The believed evidence for the CT's mirror image, of what the same pictures have for the finding

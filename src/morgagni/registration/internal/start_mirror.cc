@@ -41,7 +41,8 @@ Eigen::Isometry3d mirrored(const Eigen::Isometry3d& ct_from_depth,
 SeenViews mirrored(const SeenViews& views) {
   std::vector<SeenView> others;
   for (const auto& view : views.all()) {
-    others.push_back({mirrored(view.picture),
+    others.push_back({mirrored(view.own),
+                      mirrored(view.picture),
                       mirrored(view.planes),
                       mirrored(view.standing),
                       mirrored(view.newest_from_this, Eigen::Vector3d::Zero())});

@@ -19,6 +19,7 @@ struct StartPicture {
   Image<float> z_mm;     ///< 0: no reading.
   /// The same, each the mean of the readings around it on its surface: a fifth of the noise.
   Image<float> even_mm;
+  float noise_share = 1.0F;  ///< Of a single picture's noise, what is left in `z_mm`.
 
   [[nodiscard]] Eigen::Vector3f point(int x, int y) const { return point_at(x, y, z_mm(x, y)); }
   [[nodiscard]] Eigen::Vector3f even_point(int x, int y) const {

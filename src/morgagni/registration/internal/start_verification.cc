@@ -110,6 +110,8 @@ SkinAgreement pooled(const std::vector<SkinAgreement>& looks) {
   double num_patches = 0.0;
   double sum_uneven_mm2 = 0.0;
   for (const auto& look : looks) {
+    all.noise_mm = std::max(all.noise_mm, look.noise_mm);
+    all.noise_share = std::min(all.noise_share, look.noise_share);
     all.num_seen += look.num_seen;
     all.num_agree += look.num_agree;
     all.num_floating += look.num_floating;
@@ -148,6 +150,7 @@ SkinAgreement StartVerifier::glance(const StartPicture& picture,
                                     const Eigen::Isometry3d& ct_from_depth,
                                     float tolerance_mm) const {
   SkinAgreement agreement;
+  agreement.noise_share = picture.noise_share;
   const Eigen::Isometry3f depth_from_ct = ct_from_depth.inverse().cast<float>();
   const Eigen::Vector3f camera = ct_from_depth.translation().cast<float>();
   const auto fx = static_cast<float>(picture.camera.focal_x_px);
@@ -197,7 +200,10 @@ SkinAgreement StartVerifier::look(const StartPicture& picture,
       const float straight = picture.z_mm(x, y);
       if (straight <= 0.0F) continue;
       const float misfit = (straight - expected) / (tolerance_mm + noise_mm);
-      if (std::abs(misfit) < 1.0F) on_skin_mm(x, y) = straight - expected;
+      // What lies nearly as near as the skin is told from it where there is less noise.
+      if (std::abs(straight - expected) < tolerance_mm + picture.noise_share * noise_mm) {
+        on_skin_mm(x, y) = straight - expected;
+      }
       if (std::abs(misfit) < kWellMeasured) {
         holding.add(pose * picture.point_at(x, y, expected),
                     fixed_->mesh.triangles[raster.triangle_idx(x, y)],
@@ -209,8 +215,12 @@ SkinAgreement StartVerifier::look(const StartPicture& picture,
   agreement.area_share = holding.area_mm2() / skin_area_mm2_;
   agreement.firmness = holding.firmness();
   const Evenness evenness = judge_evenness(on_skin_mm);
+  const Eigen::Vector3f middle =
+      ct_from_depth.inverse().cast<float>() * fixed_->mesh.bounds().center();
   agreement.num_patches = evenness.num_patches;
   agreement.uneven_mm = evenness.uneven_mm;
+  agreement.noise_mm = axial_noise_mm(middle.z());
+  agreement.noise_share = picture.noise_share;
   return agreement;
 }
 

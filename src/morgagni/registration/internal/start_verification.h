@@ -26,6 +26,8 @@ struct SkinAgreement {
   double firmness = 0.0;
   double num_patches = 0.0;  ///< How much of it, and how evenly it lies there (start_evenness.h).
   double uneven_mm = 0.0;
+  double noise_mm = 0.0;     ///< Of a single reading there; standard deviation.
+  double noise_share = 1.0;  ///< What is left of it in the mean of all pictures.
 };
 
 /// What several pictures say of one pose: counts of pixels add up; of how much skin speaks for it

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "morgagni/registration/internal/sensor_points.h"
+#include "morgagni/registration/internal/start_fusion.h"
 #include "morgagni/registration/internal/start_motion.h"
 #include "morgagni/registration/internal/start_scene.h"
 
@@ -15,23 +16,34 @@ std::optional<Eigen::Isometry3d> SeenViews::add(StartPicture picture,
                                                 std::vector<StartPlane> planes,
                                                 float body_extent_mm) {
   std::optional<Eigen::Isometry3d> last_from_newest;
-  if (!views_.empty()) last_from_newest = camera_motion(views_.back().picture, picture);
+  if (!views_.empty()) last_from_newest = camera_motion(views_.back().own, picture);
   if (!last_from_newest) views_.clear();
   if (views_.size() == kMostViews) views_.erase(views_.begin());
   for (auto& view : views_) {
     view.newest_from_this = last_from_newest->inverse() * view.newest_from_this;
   }
-  views_.push_back({std::move(picture), std::move(planes), {}, Eigen::Isometry3d::Identity()});
+  views_.push_back(
+      {picture, std::move(picture), std::move(planes), {}, Eigen::Isometry3d::Identity()});
   if (!last_from_newest) return std::nullopt;  // Alone, it needs no points.
+  fuse(body_extent_mm);
+  return last_from_newest;
+}
+
+void SeenViews::fuse(float body_extent_mm) {
   for (auto& view : views_) {
-    if (!view.standing.empty()) continue;
+    std::vector<OtherPicture> others;
+    for (const auto& other : views_) {
+      if (&other == &view) continue;
+      others.push_back({&other.own, other.newest_from_this.inverse() * view.newest_from_this});
+    }
+    view.picture = fused(view.own, others);
     view.standing = standing_points(view.picture, view.planes, body_extent_mm);
   }
-  return last_from_newest;
 }
 
 void SeenViews::forget_earlier() {
   views_.erase(views_.begin(), views_.end() - 1);
+  views_.back().picture = views_.back().own;
 }
 
 PointCloud SeenViews::standing() const {

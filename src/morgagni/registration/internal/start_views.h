@@ -17,7 +17,8 @@ namespace mor::internal {
 
 /// A picture that the search has looked at.
 struct SeenView {
-  StartPicture picture;
+  StartPicture own;      ///< As it was taken.
+  StartPicture picture;  ///< With what the others measured at the same places (start_fusion.h).
   std::vector<StartPlane> planes;
   /// What is not in a large plane, spread evenly, in its own frame. Empty while it stands alone.
   PointCloud standing;
@@ -48,6 +49,9 @@ class SeenViews {
   [[nodiscard]] PointCloud standing() const;
 
  private:
+  /// Averages the pictures at each one's place.
+  void fuse(float body_extent_mm);
+
   std::vector<SeenView> views_;
 };
 
