@@ -12,6 +12,7 @@
 #include "morgagni/geometry/rigid.h"
 #include "morgagni/registration/internal/start_decision.h"
 #include "morgagni/registration/internal/start_evenness.h"
+#include "morgagni/registration/internal/start_fusion.h"
 #include "morgagni/registration/internal/start_mirror.h"
 #include "morgagni/registration/internal/start_motion.h"
 #include "morgagni/registration/internal/start_planes.h"
@@ -22,9 +23,9 @@ namespace {
 const PinholeCamera kCamera{320, 240, 262.0, 262.0, 159.5, 119.5, {}};
 
 /// What a camera measures of planes, the nearest at each pixel, with noise of 2 mm either way.
-StartPicture picture_of(const std::vector<StartPlane>& planes) {
+StartPicture picture_of(const std::vector<StartPlane>& planes, unsigned seed = 5) {
   StartPicture picture{kCamera, Image<float>(kCamera.width_px, kCamera.height_px), {}};
-  std::mt19937 random(5);
+  std::mt19937 random(seed);
   for (int y = 0; y < kCamera.height_px; ++y) {
     for (int x = 0; x < kCamera.width_px; ++x) {
       float nearest = 0.0F;
@@ -194,16 +195,41 @@ TEST(StartDecision, IsAmbiguousBesideAnotherPoseOrTheMirrorImage) {
   EXPECT_EQ(status_of(look, 0.1, 1.05), AutomaticStartStatus::kAmbiguous);
   EXPECT_THAT(decide_start({look, 0.1, 1.05}).reason, testing::HasSubstr("mirror image"));
   EXPECT_EQ(status_of(look, 0.1, 0.5), AutomaticStartStatus::kFound);
-  look.uneven_mm = 0.7;  // With little to spare, a mirror image that fits half as well is too much.
+  look.uneven_mm =
+      0.75;  // With little to spare, a mirror image that fits half as well is too much.
   EXPECT_EQ(status_of(look, 0.1, 0.0), AutomaticStartStatus::kFound);
   EXPECT_EQ(status_of(look, 0.1, 0.5), AutomaticStartStatus::kAmbiguous);
 }
 
 TEST(StartDecision, AsksMoreOfFurtherPictures) {
   SkinAgreement weak = good_look();
-  weak.uneven_mm = 0.92;
+  weak.uneven_mm = 0.95;
   EXPECT_EQ(decide_start({.look = weak, .num_tries = 1}).status, AutomaticStartStatus::kFound);
   EXPECT_EQ(decide_start({.look = weak, .num_tries = 2}).status, AutomaticStartStatus::kNotFound);
+}
+
+TEST(StartDecision, HoldsTheMeanOfSeveralPicturesToItsNoise) {
+  SkinAgreement look = good_look();
+  look.noise_mm = 1.5;
+  look.noise_share = 0.5;
+  EXPECT_EQ(status_of(look), AutomaticStartStatus::kFound);
+  look.uneven_mm = 0.6;  // Much for what is left of 1.5 mm, little where the noise is 3 mm.
+  EXPECT_EQ(status_of(look), AutomaticStartStatus::kNotFound);
+  look.noise_mm = 3.0;
+  EXPECT_EQ(status_of(look), AutomaticStartStatus::kFound);
+}
+
+TEST(StartDecision, RanksPosesWithoutTrustByIt) {
+  SkinAgreement bad = good_look();
+  bad.uneven_mm = 1.2;
+  SkinAgreement worse = bad;
+  worse.uneven_mm = 1.3;
+  SkinAgreement nothing = bad;
+  nothing.num_agree = 100.0;
+  EXPECT_GT(believed_evidence(good_look()), 0.0);
+  EXPECT_LT(believed_evidence(bad), 0.0);
+  EXPECT_LT(believed_evidence(worse), believed_evidence(bad));
+  EXPECT_LT(believed_evidence(nothing), believed_evidence(worse));
 }
 
 /// The planes as a camera sees them that has moved.
@@ -262,6 +288,44 @@ TEST(StartPicture, EvenedHasLessNoiseAndKeepsSlopesAndEdges) {
   EXPECT_LT(std::sqrt(sum_mm2 / count), 0.35);  // Even over +-2 mm it is 1.15 along the ray.
 }
 
+/// Root mean square distance of the readings from the table, in a part of the picture that shows
+/// nothing else.
+double off_table_mm(const StartPicture& picture) {
+  double sum_mm2 = 0.0;
+  int count = 0;
+  for (int y = 180; y < 220; ++y) {
+    for (int x = 100; x < 220; ++x) {
+      const double off_mm = kTable.height_mm(picture.point(x, y));
+      sum_mm2 += off_mm * off_mm;
+      ++count;
+    }
+  }
+  return std::sqrt(sum_mm2 / count);
+}
+
+TEST(StartFusion, AveragesTheNoiseOfAMovedCameraAway) {
+  StartPicture own = picture_of({kTable, kWall});
+  own.even_mm = evened(own.z_mm);
+  std::vector<StartPicture> moved;
+  for (unsigned seed = 6; seed < 10; ++seed) {
+    moved.push_back(picture_of(seen_after(kMoved, {kTable, kWall}), seed));
+  }
+  std::vector<OtherPicture> others;
+  for (const auto& picture : moved) others.push_back({&picture, kMoved.inverse()});
+  const StartPicture all = fused(own, others);
+  EXPECT_LT(off_table_mm(all), 0.5 * off_table_mm(own));
+  EXPECT_NEAR(all.noise_share, 1.0 / std::sqrt(5.0), 1e-6);
+}
+
+TEST(StartFusion, LeavesOutWhatAnotherPictureSeesInFront) {
+  StartPicture own = picture_of({kTable});
+  own.even_mm = evened(own.z_mm);
+  const StartPlane hand{kTable.normal, kTable.offset_mm + 30.0F};
+  const StartPicture other = picture_of({kTable, hand}, 6);
+  const StartPicture all = fused(own, {{&other, Eigen::Isometry3d::Identity()}});
+  EXPECT_EQ(off_table_mm(all), off_table_mm(own));
+}
+
 TEST(SkinAgreement, OfSeveralPicturesAddsUpButForTheHold) {
   SkinAgreement first = good_look();
   SkinAgreement second = good_look();
@@ -296,7 +360,8 @@ TEST(StartMirror, MovesWithTheMirroredCamera) {
   const StartPicture picture = picture_of({kTable});
   Eigen::Isometry3d motion = Eigen::Translation3d(12.0, -5.0, 20.0) *
                              Eigen::Isometry3d(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitY()));
-  const SeenViews views({{picture, {kTable}, {}, motion}, {picture, {kTable}, {}, {}}});
+  const SeenViews views(
+      {{picture, picture, {kTable}, {}, motion}, {picture, picture, {kTable}, {}, {}}});
   const SeenViews others = mirrored(views);
   ASSERT_EQ(others.all().size(), 2U);
   const Eigen::Vector3d moved = motion * Eigen::Vector3d(30.0, -50.0, 700.0);

@@ -27,7 +27,6 @@ constexpr float kMostBelowTable = 0.05F;  ///< Of the readings.
 constexpr std::size_t kLeastPoints = 60;
 constexpr std::size_t kMostRecalled = 12;
 constexpr std::size_t kMostSharpened = 4;
-constexpr std::size_t kMostSearchedAround = 3;
 
 }  // namespace
 
@@ -274,9 +273,7 @@ Result<StartFinder::Findings> StartFinder::find_all(const StartRecall& recall,
     all.insert(all.end(), findings.here.begin(), findings.here.end());
     findings.together = judge_together(recall.views, std::move(all));
     if (passes(findings.together, recall.num_searched)) return true;
-    const auto& newest = recall.views.newest();
-    search_around(newest.picture, seen, newest.standing, kMostSearchedAround, findings.together);
-    findings.together = judge_together(recall.views, std::move(findings.together));
+    findings.together = judge_around(recall.views, std::move(findings.together));
     return passes(findings.together, recall.num_searched);
   };
   MOR_TRY(bool is_found, search(seen, kFirstEffort));

@@ -98,6 +98,8 @@ class StartFinder {
                      const PointCloud& points,
                      std::size_t count,
                      std::vector<StartFinding>& findings) const;
+  [[nodiscard]] std::vector<StartFinding> judge_around(const SeenViews& views,
+                                                       std::vector<StartFinding> findings) const;
   void refine_together(const SeenViews& views,
                        const PointCloud& standing,
                        StartFinding& finding) const;

@@ -48,8 +48,8 @@ void add(const StartPicture& picture,
       if (z <= 0.0F) continue;
       const Eigen::Vector3f p = motion * picture.point_at(x, y, z);
       if (p.z() < 1.0F) continue;
-      const float there = depth_at(
-          other.picture->z_mm, fx * p.x() / p.z() + cx, fy * p.y() / p.z() + cy, p.z());
+      const float there =
+          depth_at(other.picture->z_mm, fx * p.x() / p.z() + cx, fy * p.y() / p.z() + cy, p.z());
       const float off_mm = there - p.z();
       if (std::abs(off_mm) > kReachMm + kReachNoises * axial_noise_mm(p.z())) continue;
       sum_mm(x, y) += z + off_mm;

@@ -17,10 +17,11 @@ namespace mor::internal {
 namespace {
 
 constexpr std::size_t kMostLookedAt = 10;
-constexpr double kHopeless = -1.0;   ///< Trust that no closer fit betters enough.
-constexpr double kTwinShare = 0.01;  ///< Of the extent: poses this near are the same one.
+constexpr double kHopeless = -1.0;     ///< Trust that no closer fit betters enough.
+constexpr double kTwinShare = 0.01;    ///< Of the extent: poses this near are the same one.
 constexpr double kAroundShift = 0.08;  ///< Of the extent.
 constexpr double kAroundTurnRad = 0.3;
+constexpr std::size_t kMostSearchedAround = 3;
 constexpr int kAroundSteps = 6;
 constexpr int kAroundTurns = 9;
 constexpr std::size_t kAroundKept = 6;
@@ -43,10 +44,8 @@ SkinAgreement StartFinder::look_at(const SeenViews& views,
                                    const Eigen::Isometry3d& ct_from_depth) const {
   std::vector<SkinAgreement> looks;
   for (const auto& view : views.all()) {
-    looks.push_back(verifier_.look(view.*kind,
-                                   view.planes,
-                                   ct_from_depth * view.newest_from_this,
-                                   kLookToleranceMm));
+    looks.push_back(verifier_.look(
+        view.*kind, view.planes, ct_from_depth * view.newest_from_this, kLookToleranceMm));
   }
   return pooled(looks);
 }
@@ -179,11 +178,18 @@ void StartFinder::search_around(const StartPicture& picture,
                                             finding.ct_from_depth,
                                             {finding.up_ct, 3.0, 0.02},
                                             close_round(noise_mm));
-    finding.agreement =
-        verifier_.look(picture, planes, finding.ct_from_depth, kLookToleranceMm);
+    finding.agreement = verifier_.look(picture, planes, finding.ct_from_depth, kLookToleranceMm);
     finding.score = believed_evidence(finding.agreement);
   });
   findings.insert(findings.end(), around.begin(), around.end());
+}
+
+/// Judges the findings together with what is found around the best of them.
+std::vector<StartFinding> StartFinder::judge_around(const SeenViews& views,
+                                                    std::vector<StartFinding> findings) const {
+  const auto& newest = views.newest();
+  search_around(newest.picture, newest.planes, newest.standing, kMostSearchedAround, findings);
+  return judge_together(views, std::move(findings));
 }
 
 /// The believed evidence for the CT's mirror image, of what the same pictures have for the finding
@@ -200,8 +206,9 @@ Result<double> StartFinder::mirrored_share(const SeenViews& views,
   if (views.are_several()) {
     found.push_back(finding);
     found.back().ct_from_depth = mirrored(finding.ct_from_depth, bounds_.center());
+    found.back().on_plane = mirrored(finding.on_plane, bounds_.center());
     found.back().up_ct.x() = -finding.up_ct.x();
-    found = judge_together(others, std::move(found));
+    found = judge_around(others, judge_together(others, std::move(found)));
   }
   return found.empty() ? 0.0 : std::max(0.0, found[0].score / finding.score);
 }
