@@ -195,15 +195,14 @@ TEST(StartDecision, IsAmbiguousBesideAnotherPoseOrTheMirrorImage) {
   EXPECT_EQ(status_of(look, 0.1, 1.05), AutomaticStartStatus::kAmbiguous);
   EXPECT_THAT(decide_start({look, 0.1, 1.05}).reason, testing::HasSubstr("mirror image"));
   EXPECT_EQ(status_of(look, 0.1, 0.5), AutomaticStartStatus::kFound);
-  look.uneven_mm =
-      0.75;  // With little to spare, a mirror image that fits half as well is too much.
+  look.uneven_mm = 0.7;  // With little to spare, a mirror image that fits half as well is too much.
   EXPECT_EQ(status_of(look, 0.1, 0.0), AutomaticStartStatus::kFound);
   EXPECT_EQ(status_of(look, 0.1, 0.5), AutomaticStartStatus::kAmbiguous);
 }
 
 TEST(StartDecision, AsksMoreOfFurtherPictures) {
   SkinAgreement weak = good_look();
-  weak.uneven_mm = 0.95;
+  weak.uneven_mm = 0.92;
   EXPECT_EQ(decide_start({.look = weak, .num_tries = 1}).status, AutomaticStartStatus::kFound);
   EXPECT_EQ(decide_start({.look = weak, .num_tries = 2}).status, AutomaticStartStatus::kNotFound);
 }

@@ -18,7 +18,7 @@ constexpr double kHiddenCost = 0.02;
 constexpr double kMostFloating = 0.4;  ///< Of what agrees.
 constexpr double kLeastHold = 5e-5;    ///< Share of the skin's area times firmness.
 constexpr double kLeastPatches = 2.0;
-constexpr double kMostUnevenMm = 1.05;        ///< In a picture, whatever its sensor's errors.
+constexpr double kMostUnevenMm = 1.15;        ///< In a picture, whatever its sensor's errors.
 constexpr double kMostUnevenEvenedMm = 0.37;  ///< In the mean of several, without any noise,
 constexpr double kMostUnevenNoise = 0.45;     ///< and what a reading's noise adds to it.
 constexpr double kMostlyAgrees = 0.85;        ///< Of what nothing hides,
@@ -26,8 +26,8 @@ constexpr double kHardlyAgrees = 0.35;        ///< or from here down.
 constexpr double kRunnerUpDoubt = 0.4;        ///< What a runner-up of equal evidence weighs.
 constexpr double kTriesDoubt = 0.05;          ///< Where it is not the first picture.
 constexpr double kMostDoubt = 0.75;           ///< All together.
-constexpr double kMostDoubtEvened = 0.88;  ///< In the mean of several: unevenness says more there.
-constexpr double kMostMirrored = 1.0;      ///< Where it fits as well, the CT may be mirrored.
+constexpr double kMostDoubtEvened = 0.8;  ///< In the mean of several: unevenness says more there.
+constexpr double kMostMirrored = 1.0;     ///< Where it fits as well, the CT may be mirrored.
 
 struct Doubts {
   double floating = 0.0;
@@ -50,18 +50,20 @@ double open_share(const SkinAgreement& look) {
   return ratio(look.num_agree, look.num_seen - look.num_hidden);
 }
 
-double most_uneven_mm(const SkinAgreement& look) {
-  if (look.noise_share >= 1.0) return kMostUnevenMm;
-  return std::hypot(kMostUnevenEvenedMm, kMostUnevenNoise * look.noise_share * look.noise_mm);
+/// In the mean of several pictures right poses and wrong ones are farther apart: a steeper doubt.
+double uneven_doubt(const SkinAgreement& look) {
+  if (look.noise_share >= 1.0) return std::pow(look.uneven_mm / kMostUnevenMm, 2);
+  const double most_mm =
+      std::hypot(kMostUnevenEvenedMm, kMostUnevenNoise * look.noise_share * look.noise_mm);
+  return std::pow(look.uneven_mm / most_mm, 4);
 }
 
 Doubts doubts_of(const SkinAgreement& look) {
-  const double unevenness = look.uneven_mm / most_uneven_mm(look);
   return {
       .floating = ratio(look.num_floating, look.num_agree) / kMostFloating,
-      .loose = ratio(kLeastHold * look.noise_share, look.area_share * look.firmness),
-      .few = ratio(kLeastPatches * look.noise_share, look.num_patches),
-      .uneven = std::pow(unevenness, 4),
+      .loose = ratio(kLeastHold, look.area_share * look.firmness),
+      .few = ratio(kLeastPatches, look.num_patches),
+      .uneven = uneven_doubt(look),
       .partly = std::max(0.0, kMostlyAgrees - open_share(look)) / (kMostlyAgrees - kHardlyAgrees)};
 }
 
