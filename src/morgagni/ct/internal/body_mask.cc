@@ -22,8 +22,9 @@ constexpr double kOpeningMm = 5.0;
 constexpr double kSkinMm = 1.0;
 /// A part that stands out farther from the body than an ear or a nose does not belong to it.
 constexpr double kFarthestMm = 40.0;
-/// ... nor one that is longer than they are: a tube, a cable, the edge of a blanket.
-constexpr double kLongestMm = 80.0;
+/// ... nor one that is longer than they are (a nose with its inner walls): a tube, a cable, the
+/// edge of a blanket.
+constexpr double kLongestMm = 90.0;
 /// Smaller parts are no headrest's shell.
 constexpr double kLeastShellMm3 = 5000.0;
 constexpr double kOneStepMm = 6.25;

@@ -356,9 +356,9 @@ class Search {
 
 }  // namespace
 
-BitMask foreign_matter(const Volume& volume) {
+std::optional<BitMask> foreign_matter(const Volume& volume) {
   Search search(volume);
-  if (!search.is_body()) return BitMask(volume.size);
+  if (!search.is_body()) return std::nullopt;
   search.look_for_light();
   search.look_for_dense();
   search.look_for_casts();

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+
 #include "morgagni/ct/internal/bit_mask.h"
 #include "morgagni/geometry/volume.h"
 
@@ -13,7 +15,7 @@ namespace mor::internal {
 /// does not belong to the body.
 ///
 /// @return The covers to about a voxel, with the crust that the air leaves around them. None where
-///         most of the CT would be foreign (a figure of terracotta, dry bones).
-[[nodiscard]] BitMask foreign_matter(const Volume& volume);
+///         most of the CT would be foreign: it shows no body, but a figure of clay or dry bones.
+[[nodiscard]] std::optional<BitMask> foreign_matter(const Volume& volume);
 
 }  // namespace mor::internal

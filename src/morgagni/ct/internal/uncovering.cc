@@ -12,6 +12,7 @@
 #include <tbb/parallel_for.h>
 
 #include "morgagni/ct/internal/foreign_matter.h"
+#include "morgagni/ct/internal/peeling.h"
 
 namespace mor::internal {
 namespace {
@@ -246,10 +247,22 @@ Volume uncovered(const Volume& volume, const BitMask& cover) {
   return Uncovering(volume, cover).run();
 }
 
+BareCt bare_ct(const Volume& volume) {
+  auto covers = foreign_matter(volume);
+  if (!covers) return {};
+  BareCt bare;
+  Volume peeled = covers->count() > 0 ? uncovered(volume, *covers) : volume;
+  auto layers = peel(peeled);
+  bare.unknown = std::move(layers.unknown);
+  bare.most_unknown_mm = layers.most_unknown_mm;
+  bare.cover = std::move(*covers);
+  bare.layer = std::move(layers.taken);
+  if (layers.found_any || bare.cover.count() > 0) bare.volume = std::move(peeled);
+  return bare;
+}
+
 std::optional<Volume> without_covers(const Volume& volume) {
-  const BitMask covers = foreign_matter(volume);
-  if (covers.count() == 0) return std::nullopt;
-  return uncovered(volume, covers);
+  return bare_ct(volume).volume;
 }
 
 }  // namespace mor::internal

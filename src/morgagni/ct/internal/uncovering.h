@@ -18,7 +18,19 @@ namespace mor::internal {
 /// @param cover  Within a voxel or so.
 [[nodiscard]] Volume uncovered(const Volume& volume, const BitMask& cover);
 
-/// The same of all that foreign_matter() finds. None where that is nothing.
+/// A CT without what lies on the body, and what is not known for certain because of it. The masks
+/// have no voxels where the CT shows no body.
+struct BareCt {
+  std::optional<Volume> volume;  ///< None: nothing lies on the body.
+  BitMask cover;                 ///< What foreign_matter() finds.
+  BitMask layer;                 ///< Thin layers that were taken off (peel()).
+  BitMask unknown;               ///< Where a thin layer may go on unseen.
+  double most_unknown_mm = 0.0;  ///< ... of at most this thickness.
+};
+
+[[nodiscard]] BareCt bare_ct(const Volume& volume);
+
+/// The volume of it alone.
 [[nodiscard]] std::optional<Volume> without_covers(const Volume& volume);
 
 }  // namespace mor::internal

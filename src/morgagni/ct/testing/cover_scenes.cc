@@ -218,7 +218,9 @@ Cover bed(double shell_hu, double shell_mm, double foam_hu, double reach_mm, Dic
   return {15.0, [=](const Place& place) {
             const double beneath_mm = place.mm.y() + slant * place.mm.x() - behind_mm;
             const bool is_shell = place.hull_mm < shell_mm;
-            return Matter{std::min({place.hull_mm + 1.0,
+            // It fills the voxels that it shares with the skin, and is no thicker where it bridges.
+            const double over_mm = place.skin_mm < 1.0 ? 1.0 : 0.0;
+            return Matter{std::min({place.hull_mm + over_mm,
                                     (foam_hu > kAirHu ? reach_mm : shell_mm) - place.hull_mm,
                                     beneath_mm}),
                           is_shell ? shell_hu : foam_hu};
@@ -268,11 +270,10 @@ double flesh_hu(const BareBody& bare, int x, int y, int z) {
 
 BareBody bare_body(const Volume& ct) {
   BareBody bare;
-  bare.volume = ct;
+  const auto without = internal::without_covers(ct);
+  bare.volume = without ? *without : ct;
   const BitMask near =
-      dilated(internal::body_mask(ct, internal::without_covers(ct), {}, {}).value().body,
-              2.5,
-              ct.spacing_mm);
+      dilated(internal::body_mask(ct, without, {}, {}).value().body, 2.5, ct.spacing_mm);
   for_each(ct, [&](int x, int y, int z) {
     if (!near.test(x, y, z)) bare.volume.hu[ct.index(x, y, z)] = static_cast<std::int16_t>(kAirHu);
   });

@@ -1,0 +1,134 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/ct/internal/peeling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+
+#include "morgagni/ct/internal/components.h"
+#include "morgagni/ct/internal/skin_profiles.h"
+#include "morgagni/ct/internal/thin_layers.h"
+#include "morgagni/ct/internal/volume_sample.h"
+
+namespace mor::internal {
+namespace {
+
+constexpr double kEdgeHu = -300.0;
+constexpr double kAirHu = -1000.0;
+
+/// Everything that air from the sides does not reach.
+BitMask solid_of(const Volume& volume) {
+  const Components air(threshold(volume, -32768.0, kEdgeHu - 0.5));
+  BitMask solid = air.select([&](std::size_t i) { return air.parts()[i].at_side; });
+  solid.invert();
+  return solid;
+}
+
+/// Makes the surface lie deeper: air down to there, then as steep as skin is.
+class Carving {
+ public:
+  Carving(const Volume& volume, const SkinProfiles& profiles, const std::vector<float>& thick_mm)
+      : volume_(volume), profiles_(profiles), thick_mm_(thick_mm) {}
+
+  void run(Volume& result, BitMask& taken) const {
+    const BitMask near = surroundings();
+    tbb::parallel_for(0, volume_.size[2], [&](int z) {
+      for (int y = 0; y < volume_.size[1]; ++y) {
+        const auto row = near.row(y, z);
+        if (std::all_of(row.begin(), row.end(), [](auto word) { return word == 0; })) continue;
+        for (int x = 0; x < volume_.size[0]; ++x) {
+          if (!near.test(x, y, z)) continue;
+          auto& hu = result.hu[volume_.index(x, y, z)];
+          const double most_hu = most_hu_at({x, y, z});
+          if (hu <= most_hu) continue;
+          if (hu >= kEdgeHu && most_hu < kEdgeHu) taken.set_run(y, z, x, x + 1);
+          hu = static_cast<std::int16_t>(std::lround(std::max(kAirHu, most_hu)));
+        }
+      }
+    });
+  }
+
+ private:
+  [[nodiscard]] BitMask surroundings() const {
+    std::vector<std::size_t> covered;
+    float most_mm = 0.0F;
+    for (std::size_t i = 0; i < thick_mm_.size(); ++i) {
+      if (thick_mm_[i] <= 0.0F) continue;
+      covered.push_back(i);
+      most_mm = std::max(most_mm, thick_mm_[i]);
+    }
+    return dilated(profiles_.voxels_of(covered, volume_), most_mm + 0.5, volume_.spacing_mm);
+  }
+
+  /// What a voxel may have at most when the layer above it is air.
+  [[nodiscard]] double most_hu_at(const Eigen::Vector3i& voxel) const {
+    constexpr double kSkinHuPerMm = 700.0;
+    constexpr double kNoLimitHu = 32767.0;
+    const Eigen::Vector3d place = voxel.cast<double>().cwiseProduct(volume_.spacing_mm);
+    if (volume_.hu[volume_.index(voxel.x(), voxel.y(), voxel.z())] < 0.9 * kAirHu)
+      return kNoLimitHu;
+    const auto profile = profiles_.nearest(place.cast<float>());
+    if (!profile || thick_mm_[*profile] <= 0.0F) return kNoLimitHu;
+    const double thick_mm = thick_mm_[*profile];
+    const auto depth = depth_mm(place, profiles_.all()[*profile].inwards.cast<double>(), thick_mm);
+    return depth ? kEdgeHu + kSkinHuPerMm * (*depth - thick_mm) : kNoLimitHu;
+  }
+
+  /// How deep a place lies beneath the outermost surface above it; negative: so far outside.
+  [[nodiscard]] std::optional<double> depth_mm(const Eigen::Vector3d& place,
+                                               const Eigen::Vector3d& inwards,
+                                               double thick_mm) const {
+    constexpr double kSeekMm = 0.4;
+    constexpr double kBeyondMm = 2.0;
+    double before_hu = kAirHu;
+    for (double above_mm = thick_mm + kBeyondMm; above_mm > -kBeyondMm; above_mm -= kSeekMm) {
+      const double hu = sampled_hu(volume_, place - above_mm * inwards).value_or(kAirHu);
+      if (hu >= kEdgeHu)
+        return above_mm + kSeekMm * std::min(1.0, (hu - kEdgeHu) / std::max(1.0, hu - before_hu));
+      before_hu = hu;
+    }
+    return std::nullopt;
+  }
+
+  const Volume& volume_;
+  const SkinProfiles& profiles_;
+  const std::vector<float>& thick_mm_;
+};
+
+void note_unknown(const SkinProfiles& profiles,
+                  const std::vector<float>& unknown_mm,
+                  const Volume& volume,
+                  Peeled& peeled) {
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < unknown_mm.size(); ++i) {
+    if (unknown_mm[i] <= 0.0F) continue;
+    places.push_back(i);
+    peeled.most_unknown_mm = std::max<double>(peeled.most_unknown_mm, unknown_mm[i]);
+  }
+  peeled.unknown |= profiles.voxels_of(places, volume);
+}
+
+}  // namespace
+
+Peeled peel(Volume& volume) {
+  constexpr int kMostLayers = 3;
+  Peeled peeled = {false, BitMask(volume.size), BitMask(volume.size)};
+  for (int layer = 0; layer < kMostLayers; ++layer) {
+    const SkinProfiles profiles(volume, solid_of(volume), kEdgeHu);
+    const ThinLayers layers = thin_layers(profiles);
+    note_unknown(profiles, layers.unknown_mm, volume, peeled);
+    if (std::all_of(
+            layers.thick_mm.begin(), layers.thick_mm.end(), [](float mm) { return mm == 0.0F; }))
+      break;
+    peeled.found_any = true;
+    const Volume before = volume;
+    Carving(before, profiles, layers.thick_mm).run(volume, peeled.taken);
+  }
+  return peeled;
+}
+
+}  // namespace mor::internal

@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "morgagni/ct/internal/bit_mask.h"
+#include "morgagni/geometry/volume.h"
+
+namespace mor::internal {
+
+/// What peeling left, as voxels of the surface's cells (SkinProfiles), 3 mm each.
+struct Peeled {
+  bool found_any = false;
+  BitMask taken;                 ///< What was made air.
+  BitMask unknown;               ///< Surface near to a layer that may go on unseen.
+  double most_unknown_mm = 0.0;  ///< How thick that may be.
+};
+
+/// Makes air of the thin layers that lie over a body and whatever is beside it (thin_layers()):
+/// cloth, the cover of a mattress, a headrest's shell. Layers over layers, at most three.
+/// @cost 0.3 s of CPU for a head, 1 s for 512x512x138.
+[[nodiscard]] Peeled peel(Volume& volume);
+
+}  // namespace mor::internal

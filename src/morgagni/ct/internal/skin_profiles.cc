@@ -1,0 +1,249 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/ct/internal/skin_profiles.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include <tbb/parallel_for.h>
+
+#include "morgagni/ct/internal/volume_sample.h"
+
+namespace mor::internal {
+namespace {
+
+constexpr double kCellMm = 3.0;
+/// The way inwards is seen from what lies within this distance.
+constexpr double kFacingMm = 5.0;
+constexpr double kFacingStepMm = 1.2;
+constexpr float kFacingAlike = 0.7F;  ///< Cosine.
+/// So many surface voxels of a cell are looked at.
+constexpr std::size_t kMostPerCell = 12;
+constexpr double kAirHu = -1000.0;
+
+/// The body goes on beyond the scan's ends, not beyond its sides.
+double hu_at(const Volume& volume, Eigen::Vector3d mm) {
+  mm.z() = std::clamp(mm.z(), 0.0, (volume.size[2] - 1) * volume.spacing_mm.z());
+  return sampled_hu(volume, mm).value_or(kAirHu);
+}
+
+/// From the middle of the air around a place to that of the solid.
+std::optional<Eigen::Vector3d> inwards_at(const Volume& volume,
+                                          const BitMask& solid,
+                                          const Eigen::Vector3d& place_mm) {
+  const Eigen::Vector3i middle =
+      place_mm.cwiseQuotient(volume.spacing_mm).array().round().cast<int>();
+  const Eigen::Vector3i reach = (kFacingMm / volume.spacing_mm.array()).cast<int>();
+  const Eigen::Vector3i stride = (kFacingStepMm / volume.spacing_mm.array()).cast<int>().max(1);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int dz = -reach.z(); dz <= reach.z(); dz += stride.z()) {
+    // The scan's end is no surface.
+    const int z = std::clamp(middle.z() + dz, 0, volume.size[2] - 1);
+    for (int dy = -reach.y(); dy <= reach.y(); dy += stride.y()) {
+      for (int dx = -reach.x(); dx <= reach.x(); dx += stride.x()) {
+        const Eigen::Vector3d offset = Eigen::Vector3d(dx, dy, dz).cwiseProduct(volume.spacing_mm);
+        if (offset.squaredNorm() > kFacingMm * kFacingMm) continue;
+        const int x = middle.x() + dx;
+        const int y = middle.y() + dy;
+        const bool is_solid =
+            x >= 0 && y >= 0 && x < volume.size[0] && y < volume.size[1] && solid.test(x, y, z);
+        sum += is_solid ? offset : Eigen::Vector3d(-offset);
+      }
+    }
+  }
+  if (sum.norm() < 1e-6) return std::nullopt;
+  return sum.normalized();
+}
+
+/// How far inwards of a surface voxel the threshold is crossed.
+std::optional<double> crossing_mm(const Volume& volume,
+                                  const Eigen::Vector3d& place_mm,
+                                  const Eigen::Vector3d& inwards,
+                                  double threshold_hu) {
+  constexpr double kSeekMm = 0.25;
+  constexpr double kReachMm = 2.0;
+  double before_hu = hu_at(volume, place_mm - kReachMm * inwards);
+  for (double mm = kSeekMm - kReachMm; mm < kReachMm; mm += kSeekMm) {
+    const double hu = hu_at(volume, place_mm + mm * inwards);
+    if (before_hu < threshold_hu && hu >= threshold_hu)
+      return mm - kSeekMm * (hu - threshold_hu) / (hu - before_hu);
+    before_hu = hu;
+  }
+  return std::nullopt;
+}
+
+SkinProfile profile_of(const std::vector<std::array<int, 3>>& voxels,
+                       const Volume& volume,
+                       const BitMask& solid,
+                       double threshold_hu) {
+  const auto place_of = [&](const std::array<int, 3>& voxel) -> Eigen::Vector3d {
+    return Eigen::Vector3d(voxel[0], voxel[1], voxel[2]).cwiseProduct(volume.spacing_mm);
+  };
+  Eigen::Vector3d middle_mm = Eigen::Vector3d::Zero();
+  for (const auto& voxel : voxels) middle_mm += place_of(voxel);
+  middle_mm /= static_cast<double>(voxels.size());
+  SkinProfile profile;
+  profile.place_mm = middle_mm.cast<float>();
+  const auto inwards = inwards_at(volume, solid, middle_mm);
+  if (!inwards) return profile;
+  profile.inwards = inwards->cast<float>();
+  const std::size_t stride = (voxels.size() + kMostPerCell - 1) / kMostPerCell;
+  int num = 0;
+  for (std::size_t i = 0; i < voxels.size(); i += stride) {
+    const Eigen::Vector3d place = place_of(voxels[i]);
+    const auto zero_mm = crossing_mm(volume, place, *inwards, threshold_hu);
+    if (!zero_mm) continue;
+    ++num;
+    for (int k = 0; k < SkinProfile::kNum; ++k) {
+      const double mm = *zero_mm + (k - SkinProfile::kZero) * SkinProfile::kStepMm;
+      profile.hu[static_cast<std::size_t>(k)] +=
+          static_cast<float>(hu_at(volume, place + mm * *inwards));
+    }
+  }
+  if (num == 0) return profile;
+  for (float& hu : profile.hu) hu /= static_cast<float>(num);
+  // A surface voxel stands for as much surface as it has across the direction it faces most.
+  const Eigen::Vector3d face_mm2 = volume.spacing_mm.prod() * volume.spacing_mm.cwiseInverse();
+  profile.area_mm2 = static_cast<float>(static_cast<double>(voxels.size()) /
+                                        inwards->cwiseAbs().cwiseQuotient(face_mm2).maxCoeff());
+  return profile;
+}
+
+}  // namespace
+
+SkinProfiles::SkinProfiles(const Volume& volume, const BitMask& solid, double threshold_hu) {
+  const auto cells = sorted_surface(volume, solid);
+  profiles_.resize(cells.size());
+  tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
+    profiles_[i] = profile_of(cells[i], volume, solid, threshold_hu);
+  });
+  smooth();
+}
+
+std::vector<SkinProfiles::Voxels> SkinProfiles::sorted_surface(const Volume& volume,
+                                                               const BitMask& solid) {
+  const Eigen::Vector3d cells_per_voxel = volume.spacing_mm / kCellMm;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    size_[axis] =
+        static_cast<int>(volume.size[axis] * cells_per_voxel[static_cast<Eigen::Index>(axis)]) + 1;
+  at_.assign(static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1]) *
+                 static_cast<std::size_t>(size_[2]),
+             -1);
+  BitMask surface = solid;
+  surface.subtract(eroded(solid, 1.0, Eigen::Vector3d::Ones()));
+  std::vector<Voxels> cells;
+  for (int z = 0; z < volume.size[2]; ++z) {
+    for (int y = 0; y < volume.size[1]; ++y) {
+      const auto row = surface.row(y, z);
+      for (std::size_t i = 0; i < row.size(); ++i) {
+        for (auto word = row[i]; word != 0; word &= word - 1) {
+          const int x = static_cast<int>(i) * BitMask::kWordBits + std::countr_zero(word);
+          const Cell cell = {static_cast<int>(x * cells_per_voxel.x()),
+                             static_cast<int>(y * cells_per_voxel.y()),
+                             static_cast<int>(z * cells_per_voxel.z())};
+          auto& number =
+              at_[(static_cast<std::size_t>(cell[2]) * static_cast<std::size_t>(size_[1]) +
+                   static_cast<std::size_t>(cell[1])) *
+                      static_cast<std::size_t>(size_[0]) +
+                  static_cast<std::size_t>(cell[0])];
+          if (number < 0) {
+            number = static_cast<std::int32_t>(cells.size());
+            cells.emplace_back();
+            cells_.push_back(cell);
+          }
+          cells[static_cast<std::size_t>(number)].push_back({x, y, z});
+        }
+      }
+    }
+  }
+  return cells;
+}
+
+std::int32_t SkinProfiles::at(const Cell& cell) const {
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (cell[axis] < 0 || cell[axis] >= size_[axis]) return -1;
+  const auto number = at_[(static_cast<std::size_t>(cell[2]) * static_cast<std::size_t>(size_[1]) +
+                           static_cast<std::size_t>(cell[1])) *
+                              static_cast<std::size_t>(size_[0]) +
+                          static_cast<std::size_t>(cell[0])];
+  return number >= 0 && profiles_[static_cast<std::size_t>(number)].area_mm2 > 0.0F ? number : -1;
+}
+
+std::vector<std::size_t> SkinProfiles::beside(std::size_t profile) const {
+  std::vector<std::size_t> found;
+  const auto& [x, y, z] = cells_[profile];
+  for (int dz = -1; dz <= 1; ++dz) {
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        const auto number = at({x + dx, y + dy, z + dz});
+        if (number >= 0 && static_cast<std::size_t>(number) != profile)
+          found.push_back(static_cast<std::size_t>(number));
+      }
+    }
+  }
+  return found;
+}
+
+std::optional<std::size_t> SkinProfiles::nearest(const Eigen::Vector3f& place_mm) const {
+  constexpr int kReach = 2;
+  const Eigen::Vector3i middle = (place_mm / static_cast<float>(kCellMm)).cast<int>();
+  std::optional<std::size_t> found;
+  float least = 1e9F;
+  for (int dz = -kReach; dz <= kReach; ++dz) {
+    for (int dy = -kReach; dy <= kReach; ++dy) {
+      for (int dx = -kReach; dx <= kReach; ++dx) {
+        const auto number = at({middle.x() + dx, middle.y() + dy, middle.z() + dz});
+        if (number < 0) continue;
+        const auto& profile = profiles_[static_cast<std::size_t>(number)];
+        const Eigen::Vector3f off_mm = place_mm - profile.place_mm;
+        // Depth counts half: a place lies beneath the surface that it is across from.
+        const float through_mm = off_mm.dot(profile.inwards);
+        const float off = off_mm.squaredNorm() - 0.5F * through_mm * through_mm;
+        if (off >= least) continue;
+        least = off;
+        found = static_cast<std::size_t>(number);
+      }
+    }
+  }
+  return found;
+}
+
+BitMask SkinProfiles::voxels_of(const std::vector<std::size_t>& profiles,
+                                const Volume& volume) const {
+  BitMask voxels(volume.size);
+  for (const std::size_t i : profiles) {
+    std::array<int, 3> low{};
+    std::array<int, 3> high{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double per_voxel = kCellMm / volume.spacing_mm[static_cast<Eigen::Index>(axis)];
+      const int begin = cells_[i][axis];
+      low[axis] = std::min(volume.size[axis], static_cast<int>(std::ceil(begin * per_voxel)));
+      high[axis] =
+          std::min(volume.size[axis], static_cast<int>(std::ceil((begin + 1) * per_voxel)));
+    }
+    for (int z = low[2]; z < high[2]; ++z)
+      for (int y = low[1]; y < high[1]; ++y) voxels.set_run(y, z, low[0], high[0]);
+  }
+  return voxels;
+}
+
+void SkinProfiles::smooth() {
+  const auto seen = profiles_;
+  tbb::parallel_for(std::size_t{0}, seen.size(), [&](std::size_t i) {
+    if (seen[i].area_mm2 <= 0.0F) return;
+    float weight = seen[i].area_mm2;
+    auto sum = seen[i].hu;
+    for (float& hu : sum) hu *= weight;
+    for (const std::size_t k : beside(i)) {
+      if (seen[k].inwards.dot(seen[i].inwards) < kFacingAlike) continue;
+      for (std::size_t step = 0; step < sum.size(); ++step)
+        sum[step] += seen[k].area_mm2 * seen[k].hu[step];
+      weight += seen[k].area_mm2;
+    }
+    for (float& hu : sum) hu /= weight;
+    profiles_[i].hu = sum;
+  });
+}
+
+}  // namespace mor::internal

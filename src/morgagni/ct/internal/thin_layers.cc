@@ -1,0 +1,350 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "morgagni/ct/internal/thin_layers.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mor::internal {
+namespace {
+
+constexpr float kEdgeHu = -300.0F;
+/// What is thicker is no layer.
+constexpr float kThinMm = 5.0F;
+/// Smaller pieces are noise, or belong to an ear.
+constexpr double kLeastMm2 = 400.0;
+/// Between these a layer looks like skin.
+constexpr float kLightHu = -95.0F;
+constexpr float kDenseHu = 150.0F;
+/// Foam of a mattress or a headrest, and air.
+constexpr float kMostFoamHu = -760.0F;
+constexpr float kLeastFoamHu = -960.0F;
+
+struct Place {
+  float lifted_mm = 0.0F;  ///< Thickness of what has air beneath it; 0: nothing has.
+  float light_mm = 0.0F;   ///< Of a light layer that lies on the skin.
+  float most_hu = 0.0F;    ///< Of the layer.
+  float outside_hu = 0.0F;
+};
+
+bool is_like_skin(float hu) {
+  return hu > kLightHu && hu < kDenseHu;
+}
+
+bool is_foam(float hu) {
+  return hu > kLeastFoamHu && hu < kMostFoamHu;
+}
+
+float depth_mm(const SkinProfile& profile, int step, float hu) {
+  const float before_hu = profile.at(step - 1);
+  const float share = (hu - before_hu) / (profile.at(step) - before_hu);
+  return static_cast<float>(SkinProfile::kStepMm) * (static_cast<float>(step - 1) + share);
+}
+
+void see_lifted(const SkinProfile& profile, Place& place) {
+  constexpr int kLast = static_cast<int>(kThinMm / SkinProfile::kStepMm);
+  place.most_hu = profile.at(0);
+  for (int step = 1; step <= kLast; ++step) {
+    if (profile.at(step) < std::min(kEdgeHu, profile.at(step - 1))) {
+      place.lifted_mm = std::max(0.1F, depth_mm(profile, step, kEdgeHu));
+      return;
+    }
+    place.most_hu = std::max(place.most_hu, profile.at(step));
+  }
+}
+
+/// The second of two steps upwards, beneath a plateau of cloth.
+struct SecondStep {
+  int last = 0;
+  float skin_hu = 0.0F;
+  bool is_clear = false;
+};
+
+/// @param first  On the plateau. The step is steeper than the plateau and ends at skin: where bone
+///               lies close beneath the skin the HU go on rising.
+SecondStep second_step(const SkinProfile& profile, int first) {
+  constexpr int kReach = 5;
+  constexpr float kLeastSteep = 30.0F;
+  constexpr float kMostSkinHu = 150.0F;
+  constexpr float kLeastSkinHu = -60.0F;
+  constexpr float kLeastRiseHu = 70.0F;
+  const float cover_hu = profile.at(first);
+  const float plateau =
+      std::max(0.0F, std::min(profile.at(first + 1) - cover_hu, cover_hu - profile.at(first - 1)));
+  SecondStep step = {first, cover_hu};
+  float steepest = 0.0F;
+  bool ends = false;
+  for (int k = first + 1; k <= first + kReach && !ends; ++k) {
+    const float rise = profile.at(k) - step.skin_hu;
+    steepest = std::max(steepest, rise);
+    ends = steepest > 25.0F && rise < 0.4F * steepest;
+    if (rise < 0.0F) break;
+    step.skin_hu = profile.at(k);
+    step.last = k;
+  }
+  step.is_clear = ends && step.skin_hu <= kMostSkinHu &&
+                  step.skin_hu >= std::max(cover_hu + kLeastRiseHu, kLeastSkinHu) &&
+                  steepest >= std::max(kLeastSteep, 1.4F * plateau + 10.0F);
+  return step;
+}
+
+void see_light(const SkinProfile& profile, Place& place) {
+  constexpr float kLightestHu = -420.0F;
+  constexpr int kLast = 6;
+  constexpr float kSkinShare = 0.67F;  // As much of the way as -300 HU are from air to skin.
+  for (int first = 1; first <= kLast; ++first) {
+    const float cover_hu = profile.at(first);
+    if (cover_hu > kLightHu) return;
+    if (cover_hu < kLightestHu) continue;
+    const auto step = second_step(profile, first);
+    if (!step.is_clear) continue;
+    const float edge_hu = cover_hu + kSkinShare * (step.skin_hu - cover_hu);
+    for (int k = first + 1; k <= step.last && place.light_mm == 0.0F; ++k)
+      if (profile.at(k) >= edge_hu) place.light_mm = depth_mm(profile, k, edge_hu);
+    return;
+  }
+}
+
+float share_of(std::vector<float> values, double share) {
+  const auto nth =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
+}
+
+/// A lifted sheet, as it is in the middle of its places.
+struct Sheet {
+  float thick_mm = 0.0F;
+  float most_hu = 0.0F;
+  float outside_hu = 0.0F;
+  std::vector<float> outer_hu;  ///< Of its outer half, step by step from the crossing.
+  std::vector<std::size_t> places;
+};
+
+class Search {
+ public:
+  explicit Search(const SkinProfiles& profiles)
+      : profiles_(profiles), places_(profiles.all().size()) {
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      const auto& profile = profiles.all()[i];
+      if (profile.area_mm2 <= 0.0F) continue;
+      see_lifted(profile, places_[i]);
+      if (places_[i].lifted_mm == 0.0F) see_light(profile, places_[i]);
+      places_[i].outside_hu = (profile.hu[0] + profile.hu[1] + profile.hu[2]) / 3.0F;
+    }
+    found_.thick_mm.resize(places_.size());
+    found_.unknown_mm.resize(places_.size());
+  }
+
+  ThinLayers run() {
+    find_lifted();
+    find_light();
+    for (const Sheet& sheet : sheets_) follow(sheet);
+    fill_gaps();
+    for (const Sheet& sheet : sheets_) doubt_around(sheet);
+    for (const Sheet& sheet : like_skin_) doubt_around(sheet);
+    return std::move(found_);
+  }
+
+ private:
+  /// The places that `joins(from, to)` leads to from one.
+  template <class Joins>
+  std::vector<std::size_t> region(std::size_t start,
+                                  std::vector<char>& seen,
+                                  const Joins& joins) const {
+    std::vector<std::size_t> region = {start};
+    seen[start] = 1;
+    for (std::size_t next = 0; next < region.size(); ++next) {
+      for (const std::size_t k : profiles_.beside(region[next])) {
+        if (seen[k] != 0 || !joins(region[next], k)) continue;
+        seen[k] = 1;
+        region.push_back(k);
+      }
+    }
+    return region;
+  }
+
+  [[nodiscard]] double area_mm2(const std::vector<std::size_t>& region) const {
+    double sum = 0.0;
+    for (const std::size_t i : region) sum += profiles_.all()[i].area_mm2;
+    return sum;
+  }
+
+  template <class ValueOf>
+  [[nodiscard]] static float share(const std::vector<std::size_t>& places,
+                                   double share,
+                                   const ValueOf& value_of) {
+    std::vector<float> values;
+    for (const std::size_t i : places) values.push_back(value_of(i));
+    return share_of(std::move(values), share);
+  }
+
+  void find_lifted() {
+    std::vector<char> seen(places_.size());
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (seen[i] != 0 || places_[i].lifted_mm == 0.0F) continue;
+      auto places = region(i, seen, [&](std::size_t from, std::size_t to) {
+        const float most_hu = std::max(30.0F, 0.2F * places_[from].most_hu);
+        return places_[to].lifted_mm > 0.0F &&
+               std::abs(places_[to].lifted_mm - places_[from].lifted_mm) < 0.6F &&
+               std::abs(places_[to].most_hu - places_[from].most_hu) < most_hu;
+      });
+      if (area_mm2(places) >= kLeastMm2) judge(std::move(places));
+    }
+  }
+
+  /// Ears are 3 to 4.5 mm thick and of 60 to 160 HU, from place to place.
+  void judge(std::vector<std::size_t> places) {
+    constexpr float kMostUnevenMm = 0.9F;
+    constexpr float kMostUnevenHu = 40.0F;
+    constexpr float kDenserThanEarsHu = 180.0F;
+    constexpr float kThinnerThanEarsMm = 2.9F;
+    constexpr float kLighterThanEarsHu = -60.0F;
+    const auto thick = [&](std::size_t i) { return places_[i].lifted_mm; };
+    const auto most = [&](std::size_t i) { return places_[i].most_hu; };
+    const float least_hu = share(places, 0.1, most);
+    const float most_hu = share(places, 0.9, most);
+    const float most_mm = share(places, 0.9, thick);
+    const bool is_even = most_mm - share(places, 0.1, thick) <= kMostUnevenMm &&
+                         (most_hu - least_hu <= kMostUnevenHu || least_hu >= kDenserThanEarsHu);
+    if (!is_even && most_mm > kThinnerThanEarsMm && most_hu > kLighterThanEarsHu) return;
+    Sheet sheet = {share(places, 0.5, thick),
+                   share(places, 0.5, most),
+                   share(places, 0.5, [&](std::size_t i) { return places_[i].outside_hu; })};
+    const int num = 1 + static_cast<int>((0.5F * sheet.thick_mm + 0.25F) /
+                                         static_cast<float>(SkinProfile::kStepMm));
+    for (int step = 0; step < num; ++step)
+      sheet.outer_hu.push_back(
+          share(places, 0.5, [&](std::size_t i) { return profiles_.all()[i].at(step); }));
+    sheet.places = std::move(places);
+    // A tube's wall: half of it would be left, and look like an ear.
+    if (cannot_be_followed(sheet)) {
+      like_skin_.push_back(std::move(sheet));
+      return;
+    }
+    for (const std::size_t k : sheet.places) found_.thick_mm[k] = places_[k].lifted_mm;
+    sheets_.push_back(std::move(sheet));
+  }
+
+  [[nodiscard]] static bool cannot_be_followed(const Sheet& sheet) {
+    constexpr float kThickEnoughMm = 2.5F;
+    return is_like_skin(sheet.most_hu) && sheet.thick_mm < kThickEnoughMm &&
+           !is_foam(sheet.outside_hu);
+  }
+
+  void find_light() {
+    constexpr float kLeastMm = 0.8F;
+    std::vector<char> seen(places_.size());
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (seen[i] != 0 || places_[i].light_mm < kLeastMm) continue;
+      const auto places = region(
+          i, seen, [&](std::size_t, std::size_t to) { return places_[to].light_mm >= kLeastMm; });
+      if (area_mm2(places) < kLeastMm2) continue;
+      for (const std::size_t k : places) found_.thick_mm[k] = places_[k].light_mm;
+    }
+  }
+
+  /// From where a sheet is lifted to where it lies on the skin.
+  void follow(const Sheet& sheet) {
+    std::vector<char> seen(places_.size());
+    for (const std::size_t i : sheet.places) seen[i] = 1;
+    for (const std::size_t start : sheet.places) {
+      for (const std::size_t k :
+           region(start, seen, [&](std::size_t, std::size_t to) { return goes_on(to, sheet); })) {
+        if (found_.thick_mm[k] != 0.0F) continue;
+        found_.thick_mm[k] = is_about(places_[k].lifted_mm, sheet.thick_mm, 0.7F)
+                                 ? places_[k].lifted_mm
+                                 : sheet.thick_mm;
+      }
+    }
+  }
+
+  static bool is_about(float value, float wanted, float most) {
+    return std::abs(value - wanted) <= most;
+  }
+
+  [[nodiscard]] bool goes_on(std::size_t i, const Sheet& sheet) const {
+    constexpr float kSomethingBeneathMm = 1.5F;
+    const Place& place = places_[i];
+    if (place.lifted_mm > 0.0F && place.lifted_mm < sheet.thick_mm + kSomethingBeneathMm)
+      return is_about(place.lifted_mm, sheet.thick_mm, 0.7F) &&
+             is_about(
+                 place.most_hu, sheet.most_hu, std::max(40.0F, 0.25F * std::abs(sheet.most_hu)));
+    if (is_foam(sheet.outside_hu)) return is_about(place.outside_hu, sheet.outside_hu, 30.0F);
+    return looks_the_same(profiles_.all()[i], sheet) &&
+           (place.lifted_mm > 0.0F || !is_like_skin(sheet.most_hu) ||
+            ends_as_deep(profiles_.all()[i], sheet));
+  }
+
+  [[nodiscard]] static float tolerance_hu(const Sheet& sheet) {
+    return std::max(25.0F, 0.2F * std::abs(sheet.most_hu));
+  }
+
+  [[nodiscard]] static bool looks_the_same(const SkinProfile& profile, const Sheet& sheet) {
+    for (std::size_t step = 1; step < sheet.outer_hu.size(); ++step) {
+      const float most_hu = (step == 1 ? 2.0F : 1.0F) * tolerance_hu(sheet);
+      if (!is_about(profile.at(static_cast<int>(step)), sheet.outer_hu[step], most_hu))
+        return false;
+    }
+    return true;
+  }
+
+  /// Skin falls off into fat earlier than a sheet over skin does.
+  [[nodiscard]] static bool ends_as_deep(const SkinProfile& profile, const Sheet& sheet) {
+    constexpr float kLeastFallHu = 15.0F;
+    const int last =
+        static_cast<int>((sheet.thick_mm - 0.5F) / static_cast<float>(SkinProfile::kStepMm));
+    for (int step = static_cast<int>(sheet.outer_hu.size()); step <= last; ++step)
+      if (!is_about(profile.at(step), sheet.most_hu, tolerance_hu(sheet))) return false;
+    return profile.at(last + 3) < sheet.most_hu - kLeastFallHu;
+  }
+
+  /// Where most neighbours are light layers, noise and bends hide that this place is one, too.
+  void fill_gaps() {
+    constexpr float kCoverHu = -60.0F;
+    constexpr int kOneMm = 2;
+    const auto is_cover = [&](std::size_t i) { return profiles_.all()[i].at(kOneMm) < kCoverHu; };
+    const auto before = found_.thick_mm;
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (before[i] != 0.0F || profiles_.all()[i].area_mm2 <= 0.0F || !is_cover(i)) continue;
+      const auto near = profiles_.beside(i);
+      std::vector<float> thick;
+      for (const std::size_t k : near)
+        if (before[k] > 0.0F && is_cover(k)) thick.push_back(before[k]);
+      if (2 * thick.size() > near.size()) found_.thick_mm[i] = share_of(thick, 0.5);
+    }
+  }
+
+  /// Beside a sheet, where it comes down and is not seen any more.
+  void doubt_around(const Sheet& sheet) {
+    constexpr int kSteps = 5;
+    auto front = sheet.places;
+    for (int step = 0; step < kSteps; ++step) {
+      std::vector<std::size_t> next;
+      for (const std::size_t i : front) {
+        for (const std::size_t k : profiles_.beside(i)) {
+          if (found_.unknown_mm[k] > 0.0F || found_.thick_mm[k] > 0.0F ||
+              places_[k].lifted_mm > 0.0F)
+            continue;
+          found_.unknown_mm[k] = sheet.thick_mm;
+          next.push_back(k);
+        }
+      }
+      front = std::move(next);
+    }
+  }
+
+  const SkinProfiles& profiles_;
+  std::vector<Place> places_;
+  std::vector<Sheet> sheets_;
+  std::vector<Sheet> like_skin_;  ///< That are left where they are.
+  ThinLayers found_;
+};
+
+}  // namespace
+
+ThinLayers thin_layers(const SkinProfiles& profiles) {
+  return Search(profiles).run();
+}
+
+}  // namespace mor::internal

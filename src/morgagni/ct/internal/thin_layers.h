@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 The Morgagni authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "morgagni/ct/internal/skin_profiles.h"
+
+namespace mor::internal {
+
+/// What of a surface is no skin, but a thin layer: over it, or lifted off it. Of each profile.
+struct ThinLayers {
+  std::vector<float> thick_mm;    ///< How thick the layer is that is to be taken off; 0: none.
+  std::vector<float> unknown_mm;  ///< How thick a layer may go on here unseen; 0: none is near.
+};
+
+/// Looks for layers whose profile no skin has.
+///
+/// - Lifted: within 5 mm there is air again, and over some area the sheet is as even as no ear is,
+///   or thinner, or lighter.
+/// - Light, on the skin: the HU rise in two steps, from air to cloth and from cloth to skin.
+/// - A lifted sheet followed to where it lies on the skin: as far as its outer half looks the same,
+///   if it is denser or lighter than skin, or 2.5 mm thick and denser than what follows; or as far
+///   as the same foam lies outside of it.
+[[nodiscard]] ThinLayers thin_layers(const SkinProfiles& profiles);
+
+}  // namespace mor::internal
