@@ -80,13 +80,27 @@ void print_cut(const std::vector<CutPart>& cut) {
   }
 }
 
+void print_doubts(const std::vector<SkinDoubt>& doubts) {
+  constexpr std::array<const char*, 3> kWhy = {"what lay on it was taken off",
+                                               "a thin layer was taken off it",
+                                               "a thin layer may lie on it, unseen"};
+  for (const auto& doubt : doubts) {
+    fmt::print("skin not certain: {:.0f} cm2 at the {}, by up to {:.1f} mm: {}\n",
+               doubt.area_cm2,
+               doubt.place,
+               doubt.up_to_mm,
+               kWhy[static_cast<std::size_t>(doubt.why)]);
+  }
+}
+
 void preview(const Arguments& arguments) {
   const auto progress = console_progress();
   const auto volume = value_or_exit(import_volume(arguments.ct, arguments.options.ct, progress));
   const auto body = value_or_exit(preview_body(volume, arguments.options.skin, progress));
   value_or_exit(write_file(arguments.preview, encode_png(body.picture.view())));
   print_cut(body.cut);
-  fmt::print("{}: the body has a green outline, what is cut off is red\n",
+  print_doubts(body.doubts);
+  fmt::print("{}: the body has a green outline (orange: not certain), what is cut off is red\n",
              arguments.preview.string());
 }
 
@@ -101,6 +115,7 @@ void print_summary(const Arguments& arguments, const PrepareSummary& summary) {
       summary.reading_seconds,
       summary.seconds);
   print_cut(summary.cut);
+  print_doubts(summary.doubts);
   if (!summary.structure_names.empty())
     fmt::print("structures: bone, {}\n", fmt::join(summary.structure_names, ", "));
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/casefile/prepare.h"
 
+#include <array>
 #include <chrono>
 #include <map>
 #include <string>
@@ -182,6 +183,19 @@ Json to_json(const std::vector<CutPart>& parts) {
   return list;
 }
 
+Json to_json(const std::vector<SkinDoubt>& doubts) {
+  constexpr std::array<const char*, 3> kWhy = {
+      "cover taken off", "layer taken off", "layer may go on"};
+  Json list = Json::array();
+  for (const auto& doubt : doubts)
+    list.push_back({{"place", doubt.place},
+                    {"area_cm2", doubt.area_cm2},
+                    {"up_to_mm", doubt.up_to_mm},
+                    {"why", kWhy[static_cast<std::size_t>(doubt.why)]},
+                    {"middle_mm", to_json(doubt.middle_mm)}});
+  return list;
+}
+
 struct Prepared {
   TriangleMesh skin;
   TriangleMesh bone;
@@ -239,6 +253,7 @@ Result<Prepared> made_of(const Volume& volume,
   summary.num_full_skin_vertices = skin.full.vertices.size();
   summary.num_bone_triangles = prepared.bone.triangles.size();
   summary.cut = skin.preview.cut;
+  summary.doubts = skin.preview.doubts;
   for (const auto& structure : prepared.structures)
     summary.structure_names.push_back(structure.name);
   prepared.skin = std::move(skin.remeshed);
@@ -267,7 +282,8 @@ Result<PrepareSummary> prepare_locked(const Volume& volume,
                    {"made_at", utc_text()},
                    {"ct", ct_identity},
                    {"options", to_json(options)},
-                   {"cut", to_json(summary.cut)}};
+                   {"cut", to_json(summary.cut)},
+                   {"doubtful_skin", to_json(summary.doubts)}};
   MOR_CHECK(write_case(pending.path(), prepared, document, progress));
   progress("write case", 0.8);
   MOR_CHECK(carry_over_kept_folders(folder, pending.path()));

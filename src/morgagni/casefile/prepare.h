@@ -37,6 +37,7 @@ struct PrepareSummary {
   std::size_t num_bone_triangles = 0;
   std::vector<std::string> structure_names;  ///< Beside the bone.
   std::vector<CutPart> cut;                  ///< What lay beside the body.
+  std::vector<SkinDoubt> doubts;             ///< Where the skin is not certain.
   double seconds = 0.0;                      ///< After reading.
   double reading_seconds = 0.0;
 };

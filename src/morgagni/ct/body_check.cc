@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/ct/body_check.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "morgagni/ct/internal/check_slice.h"
 #include "morgagni/ct/internal/coarse_volume.h"
 #include "morgagni/ct/internal/components.h"
+#include "morgagni/ct/internal/doubtful_skin.h"
 #include "morgagni/ct/internal/marching_cubes.h"
 #include "morgagni/ct/internal/uncovering.h"
 
@@ -53,13 +55,14 @@ struct BodyCheck::Found {
   SkinOptions options;
   std::vector<BodyPart> parts;
   std::vector<internal::BitMask> voxels;  ///< Of each part.
-  std::vector<std::uint8_t> labels;       ///< The same, as CheckedBody has it.
+  internal::DoubtfulSkin doubtful;
+  std::vector<std::uint8_t> labels;  ///< The same, as CheckedBody has it.
 };
 
 BodyCheck::BodyCheck(std::shared_ptr<const Volume> volume)
     : volume_(std::move(volume)),
       coarse_(internal::coarse_volume(*volume_, kSmallMm)),
-      bare_(internal::without_covers(coarse_)) {}
+      bare_(std::make_unique<const internal::BareCt>(internal::bare_ct(coarse_))) {}
 
 BodyCheck::~BodyCheck() = default;
 
@@ -71,13 +74,13 @@ Result<void> BodyCheck::find(const SkinOptions& options) {
   const auto matter = internal::threshold(coarse_, options.threshold_hu, options.upper_hu);
   for (const auto& mark : options.keep_mm)
     if (internal::is_near(matter, mark, coarse_)) mask_options.keep_mm.push_back(mark);
-  MOR_TRY(found->mask, internal::body_mask(coarse_, bare_, mask_options, {}));
+  MOR_TRY(found->mask, internal::body_mask(coarse_, bare_->volume, mask_options, {}));
   // A mark may have lost its part to the body: that can only be told once the body is found.
   for (const auto& mark : options.cut_mm)
     if (internal::is_near(found->mask.found_standing_out, mark, coarse_))
       mask_options.cut_mm.push_back(mark);
   if (!mask_options.cut_mm.empty()) {
-    MOR_TRY(found->mask, internal::body_mask(coarse_, bare_, mask_options, {}));
+    MOR_TRY(found->mask, internal::body_mask(coarse_, bare_->volume, mask_options, {}));
   }
   found->options = options;
 
@@ -98,6 +101,7 @@ Result<void> BodyCheck::find(const SkinOptions& options) {
                               .color = kColors[found->parts.size() % kColors.size()]});
     }
   }
+  found->doubtful = internal::doubtful_skin(*bare_, mask.body, coarse_);
   found->labels = labels_of(found->voxels, coarse_);
   found_ = std::move(found);
   return {};
@@ -111,6 +115,11 @@ const std::vector<BodyPart>& BodyCheck::parts() const {
 bool BodyCheck::holds(std::size_t part, const Eigen::Vector3d& mark_mm) const {
   return found_ && part < found_->voxels.size() &&
          internal::is_near(found_->voxels[part], mark_mm, coarse_);
+}
+
+const std::vector<SkinDoubt>& BodyCheck::doubts() const {
+  static const std::vector<SkinDoubt> kNone;
+  return found_ ? found_->doubtful.stretches : kNone;
 }
 
 double BodyCheck::body_ml() const {
@@ -131,6 +140,7 @@ Image<Rgb8> BodyCheck::slice(BodyPlane plane, double position, int height_px) co
   if (!found_) return internal::draw_check_slice(*volume_, plane, position, height_px, nullptr);
   const internal::CheckedBody body = {coarse_,
                                       found_->mask.body,
+                                      found_->doubtful.where,
                                       found_->labels,
                                       found_->parts,
                                       found_->options.threshold_hu,
@@ -141,7 +151,24 @@ Image<Rgb8> BodyCheck::slice(BodyPlane plane, double position, int height_px) co
 TriangleMesh BodyCheck::skin() const {
   if (!found_) return {};
   return internal::marching_cubes(
-      bare_ ? *bare_ : coarse_, found_->mask.body, found_->options.threshold_hu);
+      bare_->volume ? *bare_->volume : coarse_, found_->mask.body, found_->options.threshold_hu);
+}
+
+TriangleMesh BodyCheck::doubtful_skin() const {
+  TriangleMesh mesh = skin();
+  const Eigen::Isometry3d grid_from_ct = coarse_.ct_from_grid.inverse();
+  const auto is_doubtful = [&](std::uint32_t vertex) {
+    const Eigen::Vector3i at = (grid_from_ct * mesh.vertices[vertex].cast<double>())
+                                   .cwiseQuotient(coarse_.spacing_mm)
+                                   .array()
+                                   .round()
+                                   .cast<int>();
+    return found_->doubtful.where.test(at.x(), at.y(), at.z());
+  };
+  std::erase_if(mesh.triangles, [&](const Triangle& triangle) {
+    return !std::all_of(triangle.begin(), triangle.end(), is_doubtful);
+  });
+  return mesh;
 }
 
 TriangleMesh BodyCheck::part_surface(std::size_t part) const {

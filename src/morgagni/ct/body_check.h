@@ -16,6 +16,10 @@
 
 namespace mor {
 
+namespace internal {
+struct BareCt;
+}
+
 enum class BodyPlane : std::uint8_t { kAxial, kCoronal, kSagittal };
 
 /// A part that people may decide about.
@@ -45,19 +49,23 @@ class BodyCheck {
   /// Whether a mark names this part.
   [[nodiscard]] bool holds(std::size_t part, const Eigen::Vector3d& mark_mm) const;
   [[nodiscard]] double body_ml() const;
+  /// Where the skin is not certain, the largest stretch first.
+  [[nodiscard]] const std::vector<SkinDoubt>& doubts() const;
 
   /// The CT's size across a plane's picture, to the right and down, and through it.
   [[nodiscard]] Eigen::Vector3d size_mm(BodyPlane plane) const;
   /// The slice that a place lies in, as slice() counts them. @param place_mm  Frame ct.
   [[nodiscard]] double position(BodyPlane plane, const Eigen::Vector3d& place_mm) const;
   /// One slice as radiologists hang it: the patient's right, or front, is on the left. The skin has
-  /// a green outline, cut parts have their colours.
+  /// a green outline, orange where it is not certain; cut parts have their colours.
   /// @param position  0..1: feet to head, front to back, right to left.
   /// @param height_px 16..2048; the width follows.
   [[nodiscard]] Image<Rgb8> slice(BodyPlane plane, double position, int height_px) const;
 
   /// To be turned and looked at, not measured: frame ct, LPS mm, without normals.
   [[nodiscard]] TriangleMesh skin() const;
+  /// The triangles of skin() that are not certain.
+  [[nodiscard]] TriangleMesh doubtful_skin() const;
   /// One of parts(), whether it is kept or not.
   [[nodiscard]] TriangleMesh part_surface(std::size_t part) const;
 
@@ -65,7 +73,7 @@ class BodyCheck {
   struct Found;
   std::shared_ptr<const Volume> volume_;
   Volume coarse_;
-  std::optional<Volume> bare_;  ///< `coarse_` without covers. None: there are none.
+  std::unique_ptr<const internal::BareCt> bare_;  ///< `coarse_` without covers.
   std::unique_ptr<const Found> found_;
 };
 

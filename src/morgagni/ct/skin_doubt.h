@@ -18,9 +18,9 @@ struct SkinDoubt {
   };
 
   Why why = Why::kLayerLeft;
-  std::string place;  ///< "behind", "in front of", ... the body's middle, as CutPart has it.
+  std::string place;  ///< "back", "front", "left", "right", "lower end" or "upper end" of the body.
   double area_cm2 = 0.0;
-  double up_to_mm = 0.0;                                ///< How far off the skin may be.
+  double up_to_mm = 0.0;  ///< How far off 19 of 20 places of it are at most (docs/prepare.md).
   Eigen::Vector3d middle_mm = Eigen::Vector3d::Zero();  ///< A place of it, frame ct.
 };
 

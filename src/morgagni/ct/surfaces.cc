@@ -11,6 +11,7 @@
 #include "morgagni/ct/internal/body_parts.h"
 #include "morgagni/ct/internal/body_preview.h"
 #include "morgagni/ct/internal/body_volume.h"
+#include "morgagni/ct/internal/doubtful_skin.h"
 #include "morgagni/ct/internal/marching_cubes.h"
 #include "morgagni/ct/internal/uncovering.h"
 
@@ -41,16 +42,20 @@ Result<void> SkinOptions::check() const {
 
 namespace {
 
-std::optional<Volume> without_covers(const Volume& volume, const Progress& progress) {
+internal::BareCt bare_ct(const Volume& volume, const Progress& progress) {
   if (progress) progress("covers", 0.0);
-  auto bare = internal::without_covers(volume);
+  auto bare = internal::bare_ct(volume);
   if (progress) progress("covers", 1.0);
   return bare;
 }
 
-BodyPreview preview_of(const Volume& volume, const internal::BodyMask& body) {
+BodyPreview preview_of(const Volume& volume,
+                       const internal::BareCt& bare,
+                       const internal::BodyMask& body) {
+  auto doubtful = internal::doubtful_skin(bare, body.body, volume);
   return {internal::cut_parts(volume, body),
-          internal::draw_body_preview(volume, body.matter, body.body)};
+          std::move(doubtful.stretches),
+          internal::draw_body_preview(volume, body.matter, body.body, doubtful.where)};
 }
 
 internal::BodyMaskOptions body_options(const SkinOptions& options) {
@@ -64,23 +69,26 @@ Result<BodyPreview> preview_body(const Volume& volume,
                                  const SkinOptions& options,
                                  const Progress& progress) {
   MOR_CHECK(options.check());
-  const auto bare = without_covers(volume, progress);
-  MOR_TRY(const auto body, internal::body_mask(volume, bare, body_options(options), progress));
-  return preview_of(volume, body);
+  const auto bare = bare_ct(volume, progress);
+  MOR_TRY(const auto body,
+          internal::body_mask(volume, bare.volume, body_options(options), progress));
+  return preview_of(volume, bare, body);
 }
 
 Result<SkinSurfaces> extract_skin(const Volume& volume,
                                   const SkinOptions& options,
                                   const Progress& progress) {
   MOR_CHECK(options.check());
-  const auto bare = without_covers(volume, progress);
-  MOR_TRY(const auto body, internal::body_mask(volume, bare, body_options(options), progress));
+  const auto bare = bare_ct(volume, progress);
+  MOR_TRY(const auto body,
+          internal::body_mask(volume, bare.volume, body_options(options), progress));
   SkinSurfaces surfaces;
   if (progress) progress("surface", 0.0);
-  surfaces.full = internal::marching_cubes(bare ? *bare : volume, body.body, options.threshold_hu);
-  surfaces.body = internal::body_volume(bare ? *bare : volume, body.body);
+  const Volume& seen = bare.volume ? *bare.volume : volume;
+  surfaces.full = internal::marching_cubes(seen, body.body, options.threshold_hu);
+  surfaces.body = internal::body_volume(seen, body.body);
   if (progress) progress("surface", 1.0);
-  surfaces.preview = preview_of(volume, body);
+  surfaces.preview = preview_of(volume, bare, body);
   const AcvdOptions remeshing = {options.num_vertices, options.sub_sampling, options.gradation};
   MOR_TRY(surfaces.remeshed, remesh_acvd(surfaces.full, remeshing, progress));
   return surfaces;

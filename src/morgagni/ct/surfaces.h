@@ -8,6 +8,7 @@
 #include "morgagni/core/progress.h"
 #include "morgagni/core/result.h"
 #include "morgagni/ct/cut_part.h"
+#include "morgagni/ct/skin_doubt.h"
 #include "morgagni/geometry/triangle_mesh.h"
 #include "morgagni/geometry/volume.h"
 
@@ -34,8 +35,9 @@ struct SkinOptions {
 
 /// What was taken for the body and what for its surroundings, for people to check.
 struct BodyPreview {
-  std::vector<CutPart> cut;  ///< What is not the body, the largest first.
-  Image<Rgb8> picture;       ///< Slices and views; what was cut is red.
+  std::vector<CutPart> cut;       ///< What is not the body, the largest first.
+  std::vector<SkinDoubt> doubts;  ///< Where the skin is not certain, the largest first.
+  Image<Rgb8> picture;            ///< Slices and views; what was cut is red, doubtful skin orange.
 };
 
 struct SkinSurfaces {

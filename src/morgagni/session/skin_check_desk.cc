@@ -83,17 +83,33 @@ Json SkinCheckDesk::parts_json() const {
   Json parts = Json::array();
   for (const auto& part : check_.parts()) {
     const Eigen::Vector3d& middle = part.what.marks_mm[part.what.marks_mm.size() / 2];
-    Json at = Json::object();
-    for (const auto& [name, plane] : kPlanes) at[name] = check_.position(plane, middle);
     parts.push_back({{"place", part.what.place},
                      {"volume_ml", part.what.volume_ml},
                      {"size_mm", api::to_json(part.what.size_mm)},
                      {"stands_out", part.stands_out},
                      {"kept", part.is_kept},
                      {"color", hex_color(part.color)},
-                     {"at", std::move(at)}});
+                     {"at", slices_through(middle)}});
   }
   return parts;
+}
+
+Json SkinCheckDesk::slices_through(const Eigen::Vector3d& place_mm) const {
+  Json at = Json::object();
+  for (const auto& [name, plane] : kPlanes) at[name] = check_.position(plane, place_mm);
+  return at;
+}
+
+Json SkinCheckDesk::doubts_json() const {
+  constexpr std::array<const char*, 3> kWhy = {"cover_taken", "layer_taken", "layer_left"};
+  Json doubts = Json::array();
+  for (const auto& doubt : check_.doubts())
+    doubts.push_back({{"place", doubt.place},
+                      {"area_cm2", doubt.area_cm2},
+                      {"up_to_mm", doubt.up_to_mm},
+                      {"why", kWhy[static_cast<std::size_t>(doubt.why)]},
+                      {"at", slices_through(doubt.middle_mm)}});
+  return doubts;
 }
 
 Json SkinCheckDesk::state() {
@@ -106,6 +122,7 @@ Json SkinCheckDesk::state() {
                {"closing_mm", prepare_.skin.closing_mm},
                {"body_ml", check_.body_ml()},
                {"parts", parts_json()},
+               {"doubts", doubts_json()},
                {"planes_mm", std::move(planes)},
                {"version", version_},
                {"took_ms", took_.count()}};
@@ -213,6 +230,7 @@ HttpResponse SkinCheckDesk::slice(const HttpRequest& request) const {
 HttpResponse SkinCheckDesk::surface(const HttpRequest& request) const {
   const std::string of = text_of(request, "of");
   if (of == "skin") return {200, "application/octet-stream", bytes_of(check_.skin())};
+  if (of == "doubtful") return {200, "application/octet-stream", bytes_of(check_.doubtful_skin())};
   const auto part = number_of(request, "of", 0.0, static_cast<double>(check_.parts().size()) - 1.0);
   if (!part) return api::answer(tl::unexpected<Error>(part.error()));
   return {200,

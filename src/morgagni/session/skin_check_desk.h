@@ -44,6 +44,9 @@ class SkinCheckDesk {
   [[nodiscard]] Result<void> find(const SkinOptions& skin);
   [[nodiscard]] Result<void> check_open() const;
   [[nodiscard]] api::Json parts_json() const;
+  [[nodiscard]] api::Json doubts_json() const;
+  /// The slices through a place.
+  [[nodiscard]] api::Json slices_through(const Eigen::Vector3d& place_mm) const;
   void finish(Result<PrepareSummary> made);
 
   const SkinCheckOptions options_;

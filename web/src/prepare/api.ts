@@ -17,6 +17,16 @@ export interface Part {
   at: Record<Plane, number>;
 }
 
+/** A stretch of the skin that the CT does not show for certain. */
+export interface Doubt {
+  place: string;
+  area_cm2: number;
+  /** How far off the skin may be there. */
+  up_to_mm: number;
+  why: 'cover_taken' | 'layer_taken' | 'layer_left';
+  at: Record<Plane, number>;
+}
+
 export interface Check {
   title: string;
   state: 'checking' | 'preparing' | 'done' | 'failed' | 'cancelled';
@@ -27,6 +37,7 @@ export interface Check {
   closing_mm: number;
   body_ml: number;
   parts: Part[];
+  doubts: Doubt[];
   /** Of each plane's picture: across, down, through. */
   planes_mm: Record<Plane, [number, number, number]>;
   version: number;
@@ -67,8 +78,8 @@ export interface Surface {
   indices: Uint32Array;
 }
 
-/** `of`: "skin", or a part's number. */
-export async function surface(of: 'skin' | number): Promise<Surface> {
+/** `of`: "skin", what of it is not certain, or a part's number. */
+export async function surface(of: 'skin' | 'doubtful' | number): Promise<Surface> {
   const response = await fetch(`/api/check/surface?of=${of}`);
   if (!response.ok) throw new Error(sentenceOf(await response.text()));
   const bytes = await response.arrayBuffer();

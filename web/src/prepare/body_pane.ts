@@ -8,6 +8,7 @@ import { Latest } from './latest';
 
 const SKIN = 0xd9b8a2;
 const INSIDE = 0x5a4541;
+const DOUBTFUL = 0xff961e;
 const CUT_OPACITY = 0.6;
 
 /** The skin to be turned, with what was cut off in its colours. */
@@ -49,7 +50,8 @@ export class BodyPane {
   private async load(check: Check): Promise<void> {
     try {
       const cut = check.parts.map((part, i) => ({ part, i })).filter(({ part }) => !part.kept);
-      const [skin, ...parts] = await Promise.all([surface('skin'), ...cut.map(({ i }) => surface(i))]);
+      const [skin, doubtful, ...parts] = await Promise.all(
+        [surface('skin'), surface('doubtful'), ...cut.map(({ i }) => surface(i))]);
       for (const child of [...this.group.children]) {
         (child as three.Mesh).geometry.dispose();
         child.removeFromParent();
@@ -57,6 +59,9 @@ export class BodyPane {
       const geometry = geometryOf(skin!);
       this.group.add(new three.Mesh(geometry, new three.MeshLambertMaterial({ color: SKIN })),
         new three.Mesh(geometry, new three.MeshBasicMaterial({ color: INSIDE, side: three.BackSide })));
+      // In front of the skin that it is a part of.
+      this.group.add(new three.Mesh(geometryOf(doubtful!), new three.MeshLambertMaterial({
+        color: DOUBTFUL, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1 })));
       parts.forEach((part, i) => {
         const mesh = new three.Mesh(geometryOf(part), new three.MeshLambertMaterial({
           color: cut[i]!.part.color, transparent: true, opacity: CUT_OPACITY, side: three.DoubleSide,

@@ -1,16 +1,26 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
 import { h } from '../dom';
-import type { Check, Decision, Part } from './api';
-import { placeText, sizeText } from './part_text';
+import type { Check, Decision, Doubt, Part, Plane } from './api';
+import { doubtText, doubtTitle, placeText, sizeText } from './part_text';
 
-/** What was cut off and what stands out, with a switch each. */
+function doubtRows(doubts: Doubt[], onLook: (at: Record<Plane, number>) => void): HTMLElement[] {
+  if (doubts.length === 0) return [];
+  return [h('h2', {}, 'Skin that is not certain'),
+    h('p', { class: 'tip' }, 'Orange in the pictures. Look whether the outline follows the skin there. A layer that ',
+      'was taken off is in the list above: its switch puts it back. A higher threshold sheds light cloth.'),
+    ...doubts.map((doubt) => h('div', { class: 'part doubt' }, h('span', { class: 'swatch' }),
+      h('button', { type: 'button', class: 'what', title: 'Show the slices through it',
+        onclick: () => onLook(doubt.at) }, h('b', {}, doubtTitle(doubt)), h('span', {}, doubtText(doubt)))))];
+}
+
+/** What was cut off and what stands out, with a switch each, and where the skin is not certain. */
 export class PartsList {
   readonly element = h('div', { class: 'parts' });
   private version = -1;
 
   constructor(private readonly onDecision: (decision: Decision) => void,
-    private readonly onLook: (part: Part) => void) {}
+    private readonly onLook: (at: Record<Plane, number>) => void) {}
 
   show(check: Check): void {
     if (check.version === this.version) return;
@@ -23,7 +33,8 @@ export class PartsList {
     const focus = document.activeElement?.getAttribute('data-part');
     this.element.replaceChildren(
       ...group('Cut off', 'Nothing of 1 ml or more lies beside the body.', false),
-      ...group('Standing out, kept', 'Nothing stands out from the body.', true));
+      ...group('Standing out, kept', 'Nothing stands out from the body.', true),
+      ...doubtRows(check.doubts, this.onLook));
     if (focus) this.element.querySelector<HTMLElement>(`[data-part="${focus}"]`)?.focus();
   }
 
@@ -43,7 +54,7 @@ export class PartsList {
       },
     }, h('span', { class: 'knob' }), h('span', { class: 'word' }, word));
     const look = h('button', { type: 'button', class: 'what', title: 'Show the slices through it',
-      onclick: () => this.onLook(part) }, h('b', {}, placeText(part)), h('span', {}, sizeText(part)));
+      onclick: () => this.onLook(part.at) }, h('b', {}, placeText(part)), h('span', {}, sizeText(part)));
     const row = h('div', { class: 'part' }, h('span', { class: 'swatch' }), look, key);
     row.style.setProperty('--color', part.color);
     return row;

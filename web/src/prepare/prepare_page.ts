@@ -24,7 +24,7 @@ export class PreparePage {
   private readonly body = new BodyPane(this.problem);
   private readonly parts = new PartsList(
     (decision) => void this.change(decision).then(() => this.parts.enable(true)),
-    ({ at }) => this.slices.forEach((pane) => pane.goTo(at[pane.plane])));
+    (at) => this.slices.forEach((pane) => pane.goTo(at[pane.plane])));
   private readonly threshold = slider('Threshold', THRESHOLD_HU, (hu) => `${hu} HU`,
     (threshold_hu) => this.set({ threshold_hu }));
   private readonly closing = slider('Closing', CLOSING_MM, (mm) => `${mm} mm`,

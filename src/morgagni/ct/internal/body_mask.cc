@@ -24,7 +24,7 @@ constexpr double kSkinMm = 1.0;
 constexpr double kFarthestMm = 40.0;
 /// ... nor one that is longer than they are (a nose with its inner walls): a tube, a cable, the
 /// edge of a blanket.
-constexpr double kLongestMm = 90.0;
+constexpr double kLongestMm = 84.0;
 /// Smaller parts are no headrest's shell.
 constexpr double kLeastShellMm3 = 5000.0;
 constexpr double kOneStepMm = 6.25;

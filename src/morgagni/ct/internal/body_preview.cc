@@ -12,7 +12,15 @@ namespace {
 constexpr int kPanePx = 360;
 constexpr int kGapPx = 8;
 constexpr Rgb8 kOutline = {60, 220, 90};
+constexpr Rgb8 kDoubtful = {255, 150, 30};
 constexpr Rgb8 kBackground = {24, 24, 28};
+
+Rgb8 shaded(Rgb8 color, std::uint8_t grey) {
+  const auto mixed = [&](std::uint8_t channel) {
+    return static_cast<std::uint8_t>(channel * grey / 255);
+  };
+  return {mixed(color.r), mixed(color.g), mixed(color.b)};
+}
 
 /// Where a pixel of a pane looks: across two of the CT's axes, in mm of the grid.
 struct Pane {
@@ -24,8 +32,11 @@ struct Pane {
 
 class PreviewPainter {
  public:
-  PreviewPainter(const Volume& volume, const BitMask& matter, const BitMask& body)
-      : volume_(volume), matter_(matter), body_(body) {
+  PreviewPainter(const Volume& volume,
+                 const BitMask& matter,
+                 const BitMask& body,
+                 const BitMask& doubtful)
+      : volume_(volume), matter_(matter), body_(body), doubtful_(doubtful) {
     const auto& axes = volume.ct_from_grid.linear();
     for (int lps = 0; lps < 3; ++lps) {
       int best = 0;
@@ -104,6 +115,10 @@ class PreviewPainter {
     return false;
   }
 
+  [[nodiscard]] Rgb8 outline_color(const std::array<int, 3>& at) const {
+    return doubtful_.test(at[0], at[1], at[2]) ? kDoubtful : kOutline;
+  }
+
   [[nodiscard]] Rgb8 color_in_slice(const std::array<int, 3>& at, const Pane& pane) const {
     constexpr double kLowHu = -1000.0;
     constexpr double kHighHu = 500.0;
@@ -111,7 +126,7 @@ class PreviewPainter {
     const auto grey =
         static_cast<std::uint8_t>(std::clamp((hu - kLowHu) / (kHighHu - kLowHu), 0.0, 1.0) * 255.0);
     if (body_.test(at[0], at[1], at[2]))
-      return is_edge(at, pane) ? kOutline : Rgb8{grey, grey, grey};
+      return is_edge(at, pane) ? outline_color(at) : Rgb8{grey, grey, grey};
     if (matter_.test(at[0], at[1], at[2]))
       return {static_cast<std::uint8_t>(155 + grey / 3),
               static_cast<std::uint8_t>(grey / 4),
@@ -130,6 +145,7 @@ class PreviewPainter {
       if (!is_body) continue;
       const double share = static_cast<double>(step) / side(axis);
       const auto grey = static_cast<std::uint8_t>(255.0 * (1.0 - 0.85 * share));
+      if (doubtful_.test(at[0], at[1], at[2])) return shaded(kDoubtful, grey);
       if (!through_cut) return {grey, grey, grey};
       return {
           grey, static_cast<std::uint8_t>(grey * 2 / 3), static_cast<std::uint8_t>(grey * 2 / 3)};
@@ -140,6 +156,7 @@ class PreviewPainter {
   const Volume& volume_;
   const BitMask& matter_;
   const BitMask& body_;
+  const BitMask& doubtful_;
   std::array<int, 3> grid_of_{};
   std::array<bool, 3> flipped_{};
   double largest_mm_ = 0.0;
@@ -147,8 +164,11 @@ class PreviewPainter {
 
 }  // namespace
 
-Image<Rgb8> draw_body_preview(const Volume& volume, const BitMask& matter, const BitMask& body) {
-  const PreviewPainter painter(volume, matter, body);
+Image<Rgb8> draw_body_preview(const Volume& volume,
+                              const BitMask& matter,
+                              const BitMask& body,
+                              const BitMask& doubtful) {
+  const PreviewPainter painter(volume, matter, body, doubtful);
   constexpr int kColumns = 3;
   constexpr int kRows = 2;
   Image<Rgb8> picture(

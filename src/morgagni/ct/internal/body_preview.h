@@ -9,9 +9,10 @@
 namespace mor::internal {
 
 /// A picture to judge the cut by: three slices, a front and a side view. The body is grey with a
-/// green outline, what was cut off is red.
+/// green outline, orange where the skin is doubtful, what was cut off is red.
 [[nodiscard]] Image<Rgb8> draw_body_preview(const Volume& volume,
                                             const BitMask& matter,
-                                            const BitMask& body);
+                                            const BitMask& body,
+                                            const BitMask& doubtful);
 
 }  // namespace mor::internal

@@ -14,6 +14,7 @@ namespace {
 constexpr double kLowHu = -1000.0;
 constexpr double kHighHu = 400.0;
 constexpr Rgb8 kOutline = {60, 230, 100};
+constexpr Rgb8 kDoubtful = {255, 150, 30};
 
 /// A value between the eight voxels around a place; places outside are at the nearest voxel.
 template <class Value>
@@ -65,8 +66,8 @@ double body_at(const CheckedBody& body, const Eigen::Vector3d& mm) {
       });
 }
 
-/// The part that the nearest voxel of the grid is of.
-const BodyPart* part_at(const CheckedBody& body, const Eigen::Vector3d& mm) {
+/// The nearest voxel of the grid.
+std::array<int, 3> voxel_at(const CheckedBody& body, const Eigen::Vector3d& mm) {
   std::array<int, 3> at{};
   for (int axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<std::size_t>(axis);
@@ -74,6 +75,12 @@ const BodyPart* part_at(const CheckedBody& body, const Eigen::Vector3d& mm) {
                        0,
                        body.grid.size[i] - 1);
   }
+  return at;
+}
+
+/// The part that the nearest voxel is of.
+const BodyPart* part_at(const CheckedBody& body, const Eigen::Vector3d& mm) {
+  const auto at = voxel_at(body, mm);
   const std::uint8_t label = body.labels[body.grid.index(at[0], at[1], at[2])];
   return label == 0 ? nullptr : &body.parts[label - 1U];
 }
@@ -95,7 +102,8 @@ Rgb8 color_of(const CheckedBody& body,
 }
 
 /// Two pixels wide: one on either side.
-void draw_outline(const Image<char>& inside, Image<Rgb8>& picture) {
+template <class ColorAt>
+void draw_outline(const Image<char>& inside, Image<Rgb8>& picture, const ColorAt& color_at) {
   const auto is_inside = [&](int x, int y) {
     return inside(std::clamp(x, 0, inside.width() - 1), std::clamp(y, 0, inside.height() - 1)) != 0;
   };
@@ -104,7 +112,7 @@ void draw_outline(const Image<char>& inside, Image<Rgb8>& picture) {
       const bool here = is_inside(x, y);
       if (is_inside(x - 1, y) != here || is_inside(x + 1, y) != here ||
           is_inside(x, y - 1) != here || is_inside(x, y + 1) != here)
-        picture(x, y) = kOutline;
+        picture(x, y) = color_at(x, y);
     }
   }
 }
@@ -157,10 +165,12 @@ Image<Rgb8> draw_check_slice(const Volume& volume,
   const int width_px = std::clamp(static_cast<int>(std::lround(width)), 1, 4 * height_px);
   Image<Rgb8> picture(width_px, height_px);
   Image<char> inside(width_px, height_px, 0);
+  const auto place_mm = [&](int x, int y) {
+    return frame.grid_mm({(x + 0.5) / width_px, (y + 0.5) / height_px, position});
+  };
   tbb::parallel_for(0, height_px, [&](int y) {
     for (int x = 0; x < width_px; ++x) {
-      const Eigen::Vector3d mm =
-          frame.grid_mm({(x + 0.5) / width_px, (y + 0.5) / height_px, position});
+      const Eigen::Vector3d mm = place_mm(x, y);
       const double hu = hu_at(volume, mm);
       const auto grey = static_cast<std::uint8_t>(
           255.0 * std::clamp((hu - kLowHu) / (kHighHu - kLowHu), 0.0, 1.0));
@@ -171,7 +181,11 @@ Image<Rgb8> draw_check_slice(const Volume& volume,
       picture(x, y) = color_of(*body, hu, grey, is_inside, mm);
     }
   });
-  if (body != nullptr) draw_outline(inside, picture);
+  if (body == nullptr) return picture;
+  draw_outline(inside, picture, [&](int x, int y) {
+    const auto at = voxel_at(*body, place_mm(x, y));
+    return body->doubtful.test(at[0], at[1], at[2]) ? kDoubtful : kOutline;
+  });
   return picture;
 }
 

@@ -39,6 +39,7 @@ class SliceFrame {
 struct CheckedBody {
   const Volume& grid;
   const BitMask& body;
+  const BitMask& doubtful;                  ///< Where the outline is no certain skin.
   const std::vector<std::uint8_t>& labels;  ///< A voxel each: 0, or the number of a part from 1.
   const std::vector<BodyPart>& parts;
   double threshold_hu = 0.0;

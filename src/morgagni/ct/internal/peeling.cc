@@ -31,8 +31,8 @@ BitMask solid_of(const Volume& volume) {
 /// Makes the surface lie deeper: air down to there, then as steep as skin is.
 class Carving {
  public:
-  Carving(const Volume& volume, const SkinProfiles& profiles, const std::vector<float>& thick_mm)
-      : volume_(volume), profiles_(profiles), thick_mm_(thick_mm) {}
+  Carving(const Volume& volume, const SkinProfiles& profiles, const ThinLayers& layers)
+      : volume_(volume), profiles_(profiles), layers_(layers) {}
 
   void run(Volume& result, BitMask& taken) const {
     const BitMask near = surroundings();
@@ -56,10 +56,10 @@ class Carving {
   [[nodiscard]] BitMask surroundings() const {
     std::vector<std::size_t> covered;
     float most_mm = 0.0F;
-    for (std::size_t i = 0; i < thick_mm_.size(); ++i) {
-      if (thick_mm_[i] <= 0.0F) continue;
+    for (std::size_t i = 0; i < layers_.thick_mm.size(); ++i) {
+      if (layers_.thick_mm[i] <= 0.0F) continue;
       covered.push_back(i);
-      most_mm = std::max(most_mm, thick_mm_[i]);
+      most_mm = std::max(most_mm, layers_.thick_mm[i]);
     }
     return dilated(profiles_.voxels_of(covered, volume_), most_mm + 0.5, volume_.spacing_mm);
   }
@@ -72,9 +72,14 @@ class Carving {
     if (volume_.hu[volume_.index(voxel.x(), voxel.y(), voxel.z())] < 0.9 * kAirHu)
       return kNoLimitHu;
     const auto profile = profiles_.nearest(place.cast<float>());
-    if (!profile || thick_mm_[*profile] <= 0.0F) return kNoLimitHu;
-    const double thick_mm = thick_mm_[*profile];
-    const auto depth = depth_mm(place, profiles_.all()[*profile].inwards.cast<double>(), thick_mm);
+    if (!profile || layers_.thick_mm[*profile] <= 0.0F) return kNoLimitHu;
+    const double thick_mm = layers_.thick_mm[*profile];
+    const Eigen::Vector3d inwards = profiles_.all()[*profile].inwards.cast<double>();
+    const auto depth = depth_mm(place, inwards, thick_mm);
+    // Beside where a sheet comes down, what lies beneath its lifted places may be skin.
+    if (depth && layers_.is_lifted[*profile] != 0 &&
+        !is_air_beneath(place, inwards, thick_mm - *depth))
+      return kNoLimitHu;
     return depth ? kEdgeHu + kSkinHuPerMm * (*depth - thick_mm) : kNoLimitHu;
   }
 
@@ -94,10 +99,36 @@ class Carving {
     return std::nullopt;
   }
 
+  [[nodiscard]] bool is_air_beneath(const Eigen::Vector3d& place,
+                                    const Eigen::Vector3d& inwards,
+                                    double within_mm) const {
+    constexpr double kSeekMm = 0.5;
+    constexpr double kBeyondMm = 1.0;
+    for (double mm = 0.0; mm <= within_mm + kBeyondMm; mm += kSeekMm)
+      if (sampled_hu(volume_, place + mm * inwards).value_or(kAirHu) < kEdgeHu) return true;
+    return false;
+  }
+
   const Volume& volume_;
   const SkinProfiles& profiles_;
-  const std::vector<float>& thick_mm_;
+  const ThinLayers& layers_;
 };
+
+/// Nothing is taken off where `settled` is.
+void leave(const BitMask& settled,
+           const SkinProfiles& profiles,
+           const Volume& volume,
+           ThinLayers& layers) {
+  for (std::size_t i = 0; i < layers.thick_mm.size(); ++i) {
+    const Eigen::Vector3i at = profiles.all()[i]
+                                   .place_mm.cast<double>()
+                                   .cwiseQuotient(volume.spacing_mm)
+                                   .array()
+                                   .round()
+                                   .cast<int>();
+    if (settled.test(at.x(), at.y(), at.z())) layers.thick_mm[i] = 0.0F;
+  }
+}
 
 void note_unknown(const SkinProfiles& profiles,
                   const std::vector<float>& unknown_mm,
@@ -114,19 +145,22 @@ void note_unknown(const SkinProfiles& profiles,
 
 }  // namespace
 
-Peeled peel(Volume& volume) {
+Peeled peel(Volume& volume, const BitMask& cover) {
   constexpr int kMostLayers = 3;
+  constexpr double kNearMm = 3.0;
+  const BitMask settled = dilated(cover, kNearMm, volume.spacing_mm);
   Peeled peeled = {false, BitMask(volume.size), BitMask(volume.size)};
   for (int layer = 0; layer < kMostLayers; ++layer) {
     const SkinProfiles profiles(volume, solid_of(volume), kEdgeHu);
-    const ThinLayers layers = thin_layers(profiles);
+    ThinLayers layers = thin_layers(profiles);
+    leave(settled, profiles, volume, layers);
     note_unknown(profiles, layers.unknown_mm, volume, peeled);
     if (std::all_of(
             layers.thick_mm.begin(), layers.thick_mm.end(), [](float mm) { return mm == 0.0F; }))
       break;
     peeled.found_any = true;
     const Volume before = volume;
-    Carving(before, profiles, layers.thick_mm).run(volume, peeled.taken);
+    Carving(before, profiles, layers).run(volume, peeled.taken);
   }
   return peeled;
 }

@@ -133,6 +133,7 @@ class Search {
       places_[i].outside_hu = (profile.hu[0] + profile.hu[1] + profile.hu[2]) / 3.0F;
     }
     found_.thick_mm.resize(places_.size());
+    found_.is_lifted.resize(places_.size());
     found_.unknown_mm.resize(places_.size());
   }
 
@@ -222,7 +223,10 @@ class Search {
       like_skin_.push_back(std::move(sheet));
       return;
     }
-    for (const std::size_t k : sheet.places) found_.thick_mm[k] = places_[k].lifted_mm;
+    for (const std::size_t k : sheet.places) {
+      found_.thick_mm[k] = lifted_mm(k, sheet);
+      found_.is_lifted[k] = 1;
+    }
     sheets_.push_back(std::move(sheet));
   }
 
@@ -249,18 +253,29 @@ class Search {
     std::vector<char> seen(places_.size());
     for (const std::size_t i : sheet.places) seen[i] = 1;
     for (const std::size_t start : sheet.places) {
-      for (const std::size_t k :
-           region(start, seen, [&](std::size_t, std::size_t to) { return goes_on(to, sheet); })) {
+      for (const std::size_t k : region(start, seen, [&](std::size_t from, std::size_t to) {
+             return faces_alike(from, to) && goes_on(to, sheet);
+           })) {
         if (found_.thick_mm[k] != 0.0F) continue;
-        found_.thick_mm[k] = is_about(places_[k].lifted_mm, sheet.thick_mm, 0.7F)
-                                 ? places_[k].lifted_mm
-                                 : sheet.thick_mm;
+        found_.is_lifted[k] = is_about(places_[k].lifted_mm, sheet.thick_mm, 0.7F) ? 1 : 0;
+        found_.thick_mm[k] = found_.is_lifted[k] != 0 ? lifted_mm(k, sheet) : sheet.thick_mm;
       }
     }
   }
 
+  /// Where it comes down to the skin some of the skin seems to be sheet.
+  [[nodiscard]] float lifted_mm(std::size_t i, const Sheet& sheet) const {
+    return std::min(places_[i].lifted_mm, sheet.thick_mm);
+  }
+
   static bool is_about(float value, float wanted, float most) {
     return std::abs(value - wanted) <= most;
+  }
+
+  /// In the wedge where a sheet comes down, places face the wedge.
+  [[nodiscard]] bool faces_alike(std::size_t a, std::size_t b) const {
+    constexpr float kLeastCosine = 0.7F;
+    return profiles_.all()[a].inwards.dot(profiles_.all()[b].inwards) >= kLeastCosine;
   }
 
   [[nodiscard]] bool goes_on(std::size_t i, const Sheet& sheet) const {
@@ -292,11 +307,13 @@ class Search {
   /// Skin falls off into fat earlier than a sheet over skin does.
   [[nodiscard]] static bool ends_as_deep(const SkinProfile& profile, const Sheet& sheet) {
     constexpr float kLeastFallHu = 15.0F;
+    constexpr float kLeastFatHu = -130.0F;
     const int last =
         static_cast<int>((sheet.thick_mm - 0.5F) / static_cast<float>(SkinProfile::kStepMm));
     for (int step = static_cast<int>(sheet.outer_hu.size()); step <= last; ++step)
       if (!is_about(profile.at(step), sheet.most_hu, tolerance_hu(sheet))) return false;
-    return profile.at(last + 3) < sheet.most_hu - kLeastFallHu;
+    const float beneath_hu = profile.at(last + 3);
+    return beneath_hu < sheet.most_hu - kLeastFallHu && beneath_hu > kLeastFatHu;
   }
 
   /// Where most neighbours are light layers, noise and bends hide that this place is one, too.

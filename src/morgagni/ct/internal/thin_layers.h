@@ -11,6 +11,7 @@ namespace mor::internal {
 /// What of a surface is no skin, but a thin layer: over it, or lifted off it. Of each profile.
 struct ThinLayers {
   std::vector<float> thick_mm;    ///< How thick the layer is that is to be taken off; 0: none.
+  std::vector<char> is_lifted;    ///< There is air beneath it.
   std::vector<float> unknown_mm;  ///< How thick a layer may go on here unseen; 0: none is near.
 };
 

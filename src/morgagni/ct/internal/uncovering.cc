@@ -252,7 +252,7 @@ BareCt bare_ct(const Volume& volume) {
   if (!covers) return {};
   BareCt bare;
   Volume peeled = covers->count() > 0 ? uncovered(volume, *covers) : volume;
-  auto layers = peel(peeled);
+  auto layers = peel(peeled, *covers);
   bare.unknown = std::move(layers.unknown);
   bare.most_unknown_mm = layers.most_unknown_mm;
   bare.cover = std::move(*covers);
