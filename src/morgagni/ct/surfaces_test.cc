@@ -80,6 +80,53 @@ TEST(ExtractSkin, DropsBlanketTubeAndCoverButNoEar) {
   EXPECT_EQ(skin->preview.cut[0].place, "in front of");
 }
 
+/// A trunk with fat beneath its skin; over its front half lies cloth.
+Volume trunk_in_cloth(double cloth_mm, double cloth_hu) {
+  Volume volume = make_volume(120, 0.9, [](const Eigen::Vector3d& place) {
+    return 40.0 - std::hypot(place.x(), place.y());
+  });
+  for (int z = 0; z < volume.size[2]; ++z) {
+    for (int y = 0; y < volume.size[1]; ++y) {
+      for (int x = 0; x < volume.size[0]; ++x) {
+        const Eigen::Vector3d place = volume.ct_from_grid * (0.9 * Eigen::Vector3d(x, y, z));
+        const double depth_mm = 40.0 - std::hypot(place.x(), place.y());
+        auto& hu = volume.hu[volume.index(x, y, z)];
+        if (depth_mm > 3.0 && depth_mm < 9.0) hu = -90;
+        if (place.y() > -10.0) continue;
+        const double over = std::clamp((depth_mm + cloth_mm) / 0.9 + 0.5, 0.0, 1.0);
+        const double air = std::clamp(0.5 - depth_mm / 0.9, 0.0, 1.0);
+        hu = static_cast<std::int16_t>(std::lround(hu + over * air * (cloth_hu + 1000.0)));
+      }
+    }
+  }
+  return volume;
+}
+
+TEST(ExtractSkin, TakesClothOffAndSaysWhereItLay) {
+  constexpr double kSkinMm = 39.84;  // -300 HU lie a sixth of a voxel outside of the middle.
+  const auto skin = extract_skin(trunk_in_cloth(2.4, -180.0), kQuick, {});
+  ASSERT_TRUE(skin) << skin.error().message;
+  std::vector<double> errors_mm;
+  for (const auto& vertex : skin->full.vertices)
+    errors_mm.push_back(std::abs(std::hypot(vertex.x(), vertex.y()) - kSkinMm));
+  std::sort(errors_mm.begin(), errors_mm.end());
+  EXPECT_LT(errors_mm[errors_mm.size() / 2], 0.2);
+  EXPECT_LT(errors_mm[errors_mm.size() * 95 / 100], 1.0) << "the cloth is 2.4 mm thick";
+  ASSERT_FALSE(skin->preview.doubts.empty());
+  const auto& doubt = skin->preview.doubts.front();
+  EXPECT_EQ(doubt.why, SkinDoubt::Why::kLayerTaken);
+  EXPECT_EQ(doubt.place, "front");
+  const double covered_cm2 = 2.0 * 40.0 * std::acos(10.0 / 40.0) * 108.0 / 100.0;
+  EXPECT_NEAR(doubt.area_cm2, covered_cm2, 0.2 * covered_cm2);
+  EXPECT_LT(doubt.middle_mm.y(), -10.0);
+}
+
+TEST(ExtractSkin, IsCertainOfABareBody) {
+  const auto skin = extract_skin(trunk_in_cloth(0.0, -1000.0), kQuick, {});
+  ASSERT_TRUE(skin) << skin.error().message;
+  EXPECT_TRUE(skin->preview.doubts.empty());
+}
+
 /// A trunk of flesh in which a layer of light stuff begins `skin_mm` beneath the surface on one
 /// side.
 Volume trunk_with_light_layer(double skin_mm) {

@@ -12,8 +12,8 @@
 namespace mor::internal {
 namespace {
 
-/// Skin lies within this distance of what was taken off it.
-constexpr double kNearMm = 2.2;
+/// Surface within twice this distance is one stretch.
+constexpr double kJoinedMm = 2.2;
 /// Of 19 of 20 places (docs/prepare.md).
 constexpr double kUnderCoverMm = 1.5;
 constexpr double kUnderLayerMm = 2.5;
@@ -53,15 +53,14 @@ class Surface {
                            (part.low_z + part.high_z) / 2});
   }
 
-  [[nodiscard]] BitMask near(const BitMask& mask) const {
-    BitMask near = dilated(mask, kNearMm, volume_.spacing_mm);
-    near &= voxels_;
-    return near;
+  [[nodiscard]] BitMask in(BitMask mask) const {
+    mask &= voxels_;
+    return mask;
   }
 
   /// Adds the stretches of `skin`; its small ones are left out of it.
   void add(BitMask skin, SkinDoubt::Why why, double up_to_mm, DoubtfulSkin& found) const {
-    const BitMask joined = dilated(skin, kNearMm, volume_.spacing_mm);
+    const BitMask joined = dilated(skin, kJoinedMm, volume_.spacing_mm);
     const Components parts(joined);
     std::vector<Sum> sums(parts.parts().size());
     for_each_voxel(skin, [&](const std::array<int, 3>& voxel) {
@@ -131,10 +130,10 @@ DoubtfulSkin doubtful_skin(const BareCt& bare, const BitMask& body, const Volume
   DoubtfulSkin found = {{}, BitMask(volume.size)};
   if (bare.cover.size() != volume.size) return found;
   const Surface surface(body, volume);
-  const BitMask layer = surface.near(bare.layer);
-  BitMask cover = surface.near(bare.cover);
+  const BitMask layer = surface.in(bare.layer);
+  BitMask cover = surface.in(bare.cover);
   cover.subtract(layer);
-  BitMask unknown = surface.near(bare.unknown);
+  BitMask unknown = surface.in(bare.unknown);
   unknown.subtract(layer);
   unknown.subtract(cover);
   surface.add(layer, SkinDoubt::Why::kLayerTaken, kUnderLayerMm, found);

@@ -248,16 +248,16 @@ Volume uncovered(const Volume& volume, const BitMask& cover) {
 }
 
 BareCt bare_ct(const Volume& volume) {
-  auto covers = foreign_matter(volume);
+  const auto covers = foreign_matter(volume);
   if (!covers) return {};
   BareCt bare;
   Volume peeled = covers->count() > 0 ? uncovered(volume, *covers) : volume;
   auto layers = peel(peeled, *covers);
-  bare.unknown = std::move(layers.unknown);
+  bare.unknown = dilated(layers.unknown, kSkinMm, volume.spacing_mm);
   bare.most_unknown_mm = layers.most_unknown_mm;
-  bare.cover = std::move(*covers);
-  bare.layer = std::move(layers.taken);
-  if (layers.found_any || bare.cover.count() > 0) bare.volume = std::move(peeled);
+  bare.cover = dilated(*covers, kSkinMm, volume.spacing_mm);
+  bare.layer = dilated(layers.taken, kSkinMm, volume.spacing_mm);
+  if (layers.found_any || covers->count() > 0) bare.volume = std::move(peeled);
   return bare;
 }
 

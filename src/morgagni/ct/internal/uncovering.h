@@ -19,12 +19,12 @@ namespace mor::internal {
 [[nodiscard]] Volume uncovered(const Volume& volume, const BitMask& cover);
 
 /// A CT without what lies on the body, and what is not known for certain because of it. The masks
-/// have no voxels where the CT shows no body.
+/// reach 2.2 mm beyond what they are of; they have no voxels where the CT shows no body.
 struct BareCt {
   std::optional<Volume> volume;  ///< None: nothing lies on the body.
   BitMask cover;                 ///< What foreign_matter() finds.
   BitMask layer;                 ///< Thin layers that were taken off (peel()).
-  BitMask unknown;               ///< Where a thin layer may go on unseen.
+  BitMask unknown;               ///< Surface where a thin layer may go on unseen.
   double most_unknown_mm = 0.0;  ///< ... of at most this thickness.
 };
 
