@@ -218,7 +218,6 @@ class Search {
       sheet.outer_hu.push_back(
           share(places, 0.5, [&](std::size_t i) { return profiles_.all()[i].at(step); }));
     sheet.places = std::move(places);
-    // A tube's wall: half of it would be left, and look like an ear.
     if (cannot_be_followed(sheet)) {
       like_skin_.push_back(std::move(sheet));
       return;
@@ -230,10 +229,9 @@ class Search {
     sheets_.push_back(std::move(sheet));
   }
 
+  /// As a tube's wall is: what of it lies on the skin would stay, and look like an ear.
   [[nodiscard]] static bool cannot_be_followed(const Sheet& sheet) {
-    constexpr float kThickEnoughMm = 2.5F;
-    return is_like_skin(sheet.most_hu) && sheet.thick_mm < kThickEnoughMm &&
-           !is_foam(sheet.outside_hu);
+    return is_like_skin(sheet.most_hu) && !is_foam(sheet.outside_hu);
   }
 
   void find_light() {
@@ -286,9 +284,7 @@ class Search {
              is_about(
                  place.most_hu, sheet.most_hu, std::max(40.0F, 0.25F * std::abs(sheet.most_hu)));
     if (is_foam(sheet.outside_hu)) return is_about(place.outside_hu, sheet.outside_hu, 30.0F);
-    return looks_the_same(profiles_.all()[i], sheet) &&
-           (place.lifted_mm > 0.0F || !is_like_skin(sheet.most_hu) ||
-            ends_as_deep(profiles_.all()[i], sheet));
+    return looks_the_same(profiles_.all()[i], sheet);
   }
 
   [[nodiscard]] static float tolerance_hu(const Sheet& sheet) {
@@ -302,18 +298,6 @@ class Search {
         return false;
     }
     return true;
-  }
-
-  /// Skin falls off into fat earlier than a sheet over skin does.
-  [[nodiscard]] static bool ends_as_deep(const SkinProfile& profile, const Sheet& sheet) {
-    constexpr float kLeastFallHu = 15.0F;
-    constexpr float kLeastFatHu = -130.0F;
-    const int last =
-        static_cast<int>((sheet.thick_mm - 0.5F) / static_cast<float>(SkinProfile::kStepMm));
-    for (int step = static_cast<int>(sheet.outer_hu.size()); step <= last; ++step)
-      if (!is_about(profile.at(step), sheet.most_hu, tolerance_hu(sheet))) return false;
-    const float beneath_hu = profile.at(last + 3);
-    return beneath_hu < sheet.most_hu - kLeastFallHu && beneath_hu > kLeastFatHu;
   }
 
   /// Where most neighbours are light layers, noise and bends hide that this place is one, too.

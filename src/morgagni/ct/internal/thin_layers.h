@@ -21,8 +21,10 @@ struct ThinLayers {
 ///   or thinner, or lighter.
 /// - Light, on the skin: the HU rise in two steps, from air to cloth and from cloth to skin.
 /// - A lifted sheet followed to where it lies on the skin: as far as its outer half looks the same,
-///   if it is denser or lighter than skin, or 2.5 mm thick and denser than what follows; or as far
-///   as the same foam lies outside of it.
+///   or as far as the same foam lies outside of it.
+///
+/// A lifted sheet that has a skin's HU and no foam over it (a tube's wall, some shells) is left: it
+/// cannot be followed.
 [[nodiscard]] ThinLayers thin_layers(const SkinProfiles& profiles);
 
 }  // namespace mor::internal
