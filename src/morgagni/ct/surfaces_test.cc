@@ -151,7 +151,8 @@ Volume trunk_with_light_layer(double skin_mm) {
 TEST(ExtractSkin, TellsGasInTheFatFromABlanket) {
   const auto reach_mm = [](const Volume& volume) {
     float farthest = 0.0F;
-    for (const auto& vertex : extract_skin(volume, kQuick, {}).value().full.vertices)
+    const auto skin = extract_skin(volume, kQuick, {}).value();
+    for (const auto& vertex : skin.full.vertices)
       if (std::abs(vertex.y()) < 10.0F) farthest = std::max(farthest, vertex.x());
     return farthest;
   };
