@@ -102,8 +102,11 @@ std::string in_words(const SelfCalibration& found) {
       return "too few views: move the camera on, at least 20 are needed, 60 are better";
     case SelfCalibrationVerdict::kTooLittleMotion:
       return "too little motion: move nearer and farther, roll the camera, look from the sides";
+    case SelfCalibrationVerdict::kOtherBody:
+      return "the skin is farther off than a body changes: another body, or a cover";
     case SelfCalibrationVerdict::kSkinChanged:
-      return "the skin is not as in the CT: the sensor's error cannot be told from that";
+      return "the body's skin has changed since its CT, and no error of the sensor was found: "
+             "`morgagni serve` follows the skin as it is now when it is told to";
     case SelfCalibrationVerdict::kNoError:
       return "no error of the sensor that the held-out views would confirm: leave it as it is";
     case SelfCalibrationVerdict::kSmall:
@@ -140,13 +143,13 @@ void print(const SelfCalibration& found) {
       found.remaining_mm);
   fmt::print(
       "held-out views lie off the skin by {:.3f} mm as it is, {:.3f} with a changed skin, "
-      "{:.3f} with the sensor corrected; gain {:.1f} times its standard error, {} of {} "
-      "parts better\n",
+      "{:.3f} with the sensor corrected as well; gain of that {:.1f} times its standard error, {} "
+      "of {} parts better\n",
       held.as_it_is_mm,
       held.skin_mm,
-      held.sensor_mm,
-      held.significance,
-      held.num_better,
+      held.both_mm,
+      held.sensor.significance,
+      held.sensor.num_better,
       held.num_folds);
   fmt::print(
       "focal length {:+.2f} / {:+.2f} %, centre {:+.1f} / {:+.1f} px, skin changed by "
@@ -158,6 +161,13 @@ void print(const SelfCalibration& found) {
       found.skin_rms_mm,
       found.num_open,
       found.num_parameters);
+  if (found.follows_skin) {
+    fmt::print(
+        "the skin has changed by up to {:.1f} mm, which moves the poses by {:.1f} mm; that is the "
+        "body's, not the sensor's: it is in no file\n",
+        found.skin_most_mm,
+        found.skin_shift_mm);
+  }
   print_map(found);
 }
 

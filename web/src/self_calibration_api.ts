@@ -3,7 +3,8 @@
 import { call } from './api';
 
 export type Verdict =
-  | 'too-few-views' | 'too-little-motion' | 'skin-changed' | 'no-error' | 'small' | 'error';
+  | 'too-few-views' | 'too-little-motion' | 'other-body' | 'no-error' | 'small' | 'skin-changed'
+  | 'error';
 
 /** What is added to the depth over the picture, row by row. */
 export interface CorrectionMap {
@@ -15,12 +16,19 @@ export interface CorrectionMap {
 
 export interface FoundError {
   verdict: Verdict;
-  /** How far the correction moves the overlay. */
+  /** What a yes would do: correct the depth camera, register to the skin as it is now. */
+  corrects_sensor: boolean;
+  follows_skin: boolean;
+  /** How far the overlay is off by what is proposed. */
+  now_mm: number;
+  /** How far the camera’s correction moves the overlay. */
   shift_mm: number;
   /** What the views cannot tell, one standard deviation. */
   remaining_mm: number;
   /** How far the body's skin has changed since its CT, root mean square. */
   skin_mm: number;
+  /** The same, at most. */
+  skin_most_mm: number;
   views: number;
   parts_better: number;
   parts: number;
@@ -29,6 +37,9 @@ export interface FoundError {
 
 export interface AppliedCorrection {
   origin: string;
+  corrects_sensor: boolean;
+  follows_skin: boolean;
+  skin_most_mm: number;
   shift_mm: number;
   remaining_mm: number;
   /** For the next sessions with this camera. */

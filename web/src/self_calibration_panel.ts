@@ -36,6 +36,7 @@ export class SelfCalibrationPanel {
   private readonly canvas = h('canvas', { width: MAP_WIDTH, height: MAP_HEIGHT, role: 'img',
     'aria-label': 'What is added to the depth over the picture' });
   private readonly legend = h('figcaption', {});
+  private readonly map = h('figure', { class: 'sensor-map' }, this.canvas, this.legend);
   private readonly proposal: HTMLElement;
   private readonly appliedLine = h('p', { class: 'tip' });
   private readonly applied: HTMLElement;
@@ -58,7 +59,7 @@ export class SelfCalibrationPanel {
       h('div', { class: 'sensor-motion' }, this.parts, this.hints));
     this.proposal = h('div', { class: 'sensor-proposal' }, this.lines,
       h('div', { class: 'sensor-keys' }, apply, discard),
-      h('figure', { class: 'sensor-map' }, this.canvas, this.legend));
+      this.map);
     this.applied = h('div', { class: 'sensor-applied' }, this.appliedLine, undo);
     this.element = h('div', { class: 'controls sensor' },
       section('Depth camera', this.head, this.gathering, this.proposal, this.again,
@@ -89,6 +90,7 @@ export class SelfCalibrationPanel {
     if (state?.phase === 'proposed' && state.found) {
       this.lines.replaceChildren(
         ...proposalLines(state.found).map((line) => h('p', { class: 'tip' }, line)));
+      this.map.hidden = !state.found.corrects_sensor;
       this.draw(state.found.map);
     }
     if (state?.applied) setText(this.appliedLine, appliedLine(state.applied, state.device));

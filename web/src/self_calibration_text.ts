@@ -19,51 +19,63 @@ export function headline(state: SelfCalibration, tracking: TrackingState | undef
     case 'estimating':
       return 'Enough views: working it out. The picture goes on.';
     case 'proposed':
-      return state.found
-        ? `The depth camera errs: the overlay is about ${mm(state.found.shift_mm)} off.` : '';
+      return state.found ? proposalHead(state.found) : '';
     case 'resting':
       return restWords(state);
   }
+}
+
+function proposalHead(found: FoundError): string {
+  const off = `the overlay is about ${mm(found.now_mm)} off.`;
+  if (!found.corrects_sensor) return `The body’s skin has changed since its CT: ${off}`;
+  return found.follows_skin
+    ? `The depth camera errs, and the body’s skin has changed since its CT: ${off}`
+    : `The depth camera errs: ${off}`;
 }
 
 function restWords({ found, applied }: SelfCalibration): string {
   switch (found?.verdict) {
     case undefined:
     case 'error':
+    case 'skin-changed':
       return 'Not looking.';
     case 'no-error':
     case 'small':
       return applied
         ? `Checked on ${found!.views} views: with the correction, nothing more is to be removed.`
         : `Checked on ${found!.views} views: nothing to correct.`;
-    case 'skin-changed':
-      return 'The skin is not as in the CT, so the camera cannot be checked on it.';
+    case 'other-body':
+      return 'The skin is too far from the CT’s: another body, or a cover. Nothing can be checked on it.';
     case 'too-little-motion':
     case 'too-few-views':
       return 'The camera moved too little to tell its error from the body’s place.';
   }
 }
 
-/** A body that has changed by less is as in its CT. */
-const CHANGED_MM = 0.3;
-
 /** What a yes would do and how sure it is. */
 export function proposalLines(found: FoundError): string[] {
   const all = found.parts_better === found.parts ? 'all ' : '';
-  const lines = [
-    `Correcting removes this. What this motion cannot show stays: about ${mm(found.remaining_mm)}.`,
-    `How sure: ${all}${found.parts_better} of ${found.parts} checks on views that were not used agree.`,
-    'Until it is corrected, the error bound counts it in.',
-  ];
-  if (found.skin_mm > CHANGED_MM) {
-    lines.push(`The body’s skin also differs from its CT, by about ${mm(found.skin_mm)}. That stays.`);
+  const lines: string[] = [];
+  if (found.follows_skin) {
+    lines.push(`The skin lies up to ${mm(found.skin_most_mm)} from the CT’s (${mm(found.skin_mm)} in the`
+      + ' mean). Apply registers to the skin as it is now, for this session; what is drawn, saved and'
+      + ' exported stays the CT’s.');
   }
+  lines.push(
+    `Applying removes this. What this motion cannot show stays: about ${mm(found.remaining_mm)}.`,
+    `How sure: ${all}${found.parts_better} of ${found.parts} checks on views that were not used agree.`,
+    'Until then, the error bound counts it in.',
+  );
   return lines;
 }
 
 export function appliedLine(applied: AppliedCorrection, device: string | null): string {
-  const moved = `The overlay was moved by about ${mm(applied.shift_mm)}.`;
-  if (applied.kept) return `${moved} Kept for this camera.`;
+  const skin = applied.follows_skin
+    ? ` It follows the skin as it is now, up to ${mm(applied.skin_most_mm)} from the CT’s, for this session.`
+    : '';
+  const moved = `The overlay was moved by about ${mm(applied.shift_mm)}.${skin}`;
+  if (!applied.corrects_sensor) return moved;
+  if (applied.kept) return `${moved} The correction is kept for this camera.`;
   return device === null
     ? `${moved} For this session alone: the camera has no serial number to keep it under.`
     : `${moved} For this session alone.`;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -14,6 +13,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/calibration/internal/bundle.h"
+#include "morgagni/calibration/internal/evidence.h"
+#include "morgagni/calibration/internal/readings_scatter.h"
 #include "morgagni/calibration/internal/sensor_model.h"
 #include "morgagni/calibration/internal/skin_model.h"
 #include "morgagni/core/statistics.h"
@@ -30,23 +31,12 @@ using internal::SkinModel;
 
 constexpr std::size_t kLeastViews = 20;
 constexpr double kSkinSpacingPerReach = 0.9;
-/// Corrections that move the body by up to so much were found without any error of the sensor, too:
-/// what noise model and skin leave. Smaller ones would make one body in three worse.
-constexpr double kLeastShiftMm = 1.0;
-/// Where more than this share of what a sensor can do to a pose stays unknown, the camera has moved
-/// too little.
-constexpr double kMostOpenShare = 0.6;
-/// A shift of more than so many of the prior's standard deviations is none of a sensor's.
-constexpr double kMostPlausible = 2.5;
-constexpr double kLeastSignificance = 3.0;
-constexpr double kLeastGain = 0.01;
 /// Sensors' errors are this much of what SensorPrior allows, before anything was seen; known as
 /// well as from so many values.
 constexpr double kUsualSizeRatio = 0.7;
 constexpr double kUsualSizeValues = 6.0;
 /// Expectations are drawn anew so often.
 constexpr int kPasses = 3;
-constexpr float kNoResidual = std::numeric_limits<float>::max();
 
 Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& covariance) {
   return covariance.llt().solve(Eigen::MatrixXd::Identity(covariance.rows(), covariance.cols()));
@@ -58,10 +48,6 @@ struct ModelFit {
   BundleState state;
   std::vector<Bundle::View> views;
 };
-
-double mean_sq_mm2(const internal::ViewFit& fit) {
-  return fit.sum_sq_mm2 / std::max(1e-9, fit.sum_weights);
-}
 
 class Estimation {
  public:
@@ -90,21 +76,27 @@ class Estimation {
     result.num_views = static_cast<int>(views_.size());
     result.num_parameters = static_cast<int>(sensor_.size());
     if (views_.size() < 5) return result;
-    ModelFit full{BundleModel::kSensorAndSkin, start_, {}};
-    fit(full, kPasses);
+    ModelFit both{BundleModel::kSensorAndSkin, start_, {}};
+    fit(both, kPasses);
     if (stop_.stop_requested()) return result;
-    const auto scatter = scatter_of(full);
+    const auto scatter = scatter_of(both);
     result.noise_ratio = scatter.ratio;
     result.correlated_readings = scatter.correlated;
-    weight_factor_ = weight_factor_for(scatter, full);
-    fit(full, 1);
+    weight_factor_ = weight_factor_for(scatter, both);
+    fit(both, 1);
     if (stop_.stop_requested()) return result;
-    describe(full.state, result);
-    const Bundle bundle(sensor_, skin_.size(), full.views, prior_precision_, pivot_mm_);
-    add_uncertainty(bundle.information(all_views(), full.state), full.state, result);
+    describe(both.state, result);
+    add_uncertainty(information_of(both), both.state, result);
+    add_skin(both, result);
     if (views_.size() < kLeastViews) return result;
-    result.held_out = hold_out(full);
-    result.verdict = judge(result);
+    ModelFit skin{BundleModel::kSkin, start_, {}};
+    fit(skin, kPasses);
+    result.held_out = hold_out(skin, both);
+    result.verdict = internal::judge_sensor(result, options_);
+    // Where the sensor is left as it is, so is what was found of the skin along with it.
+    const bool is_skin_alone = internal::speaks_for_skin_alone(result);
+    if (is_skin_alone) add_skin(skin, result);
+    if (is_skin_alone || result.corrects_sensor()) internal::judge_skin(options_, result);
     return result;
   }
 
@@ -209,8 +201,6 @@ class Estimation {
     result.depth = camera_of(state);
     result.center_px = {result.depth.center_x_px - depth_.center_x_px,
                         result.depth.center_y_px - depth_.center_y_px};
-    result.skin_rms_mm = skin_rms_mm(state);
-    result.skin = skin_change(state);
   }
 
   /// It holds where the skin was seen, and a little beyond.
@@ -238,10 +228,11 @@ class Estimation {
     return {skin_.places_mm(), {weights.begin(), weights.end()}, options_.skin_reach_mm};
   }
 
-  [[nodiscard]] double skin_rms_mm(const BundleState& state) const {
+  /// Where it was seen.
+  [[nodiscard]] std::vector<double> skin_changes_mm(const BundleState& state) const {
     std::array<std::uint16_t, SkinModel::kNumTouched> index{};
     std::array<float, SkinModel::kNumTouched> share{};
-    double squares = 0.0;
+    std::vector<double> changes_mm;
     for (const auto& place : seen_) {
       if (!skin_.weights(place, index, share)) continue;
       double value = 0.0;
@@ -249,9 +240,43 @@ class Estimation {
         value += static_cast<double>(share[i]) *
                  state.values[static_cast<Eigen::Index>(sensor_.size() + index[i])];
       }
-      squares += value * value;
+      changes_mm.push_back(std::abs(value));
     }
-    return seen_.empty() ? 0.0 : std::sqrt(squares / static_cast<double>(seen_.size()));
+    return changes_mm;
+  }
+
+  [[nodiscard]] internal::BundleInformation information_of(const ModelFit& fitted) const {
+    return Bundle(sensor_, skin_.size(), fitted.views, prior_precision_, pivot_mm_)
+        .information(all_views(), fitted.state);
+  }
+
+  /// The skin as a fit has it, how far following it moves the poses found without it, and how much
+  /// of that stays unknown: what looks like a pose, as large as the change is elsewhere.
+  void add_skin(const ModelFit& fitted, SelfCalibration& result) const {
+    auto changes_mm = skin_changes_mm(fitted.state);
+    if (changes_mm.empty()) return;
+    result.skin = skin_change(fitted.state);
+    result.skin_rms_mm = root_mean_square(changes_mm);
+    result.skin_most_mm = quantile(std::move(changes_mm), 0.99);
+    const auto sensor = static_cast<Eigen::Index>(sensor_.size());
+    const auto size = static_cast<Eigen::Index>(skin_.size());
+    const auto information = information_of(fitted);
+    const auto form = displacement_form(information.pivot_mm);
+    const Eigen::MatrixXd posterior = inverse_of(information.matrix.bottomRightCorner(size, size) +
+                                                 prior_precision_.bottomRightCorner(size, size));
+    const Eigen::VectorXd values = fitted.state.values.tail(size);
+    double shift_sq = 0.0;
+    double remaining_sq = 0.0;
+    for (const auto& follows : information.pose_from_values) {
+      const Eigen::MatrixXd of_skin = follows.middleCols(sensor, size);
+      const Eigen::Matrix<double, 6, 1> move = of_skin * values;
+      shift_sq += move.dot(form * move);
+      remaining_sq += (form * (of_skin * posterior * of_skin.transpose())).trace();
+    }
+    const auto count = static_cast<double>(information.pose_from_values.size());
+    result.skin_shift_mm = std::sqrt(shift_sq / count);
+    result.skin_remaining_mm =
+        result.skin_rms_mm / options_.skin_mm * std::sqrt(remaining_sq / count);
   }
 
   /// Mean over places on the skin of J^T J: a small motion's mean square displacement.
@@ -333,23 +358,9 @@ class Estimation {
     return seen;
   }
 
-  [[nodiscard]] HeldOutFit hold_out(const ModelFit& full) const {
-    ModelFit as_is{BundleModel::kPoses, start_, {}};
-    ModelFit skin{BundleModel::kSkin, start_, {}};
-    fit(as_is, kPasses);
-    fit(skin, kPasses);
-    HeldOutFit result;
-    result.num_folds = options_.num_folds;
-    std::vector<double> gains;
-    internal::ViewFit all_as_is;
-    internal::ViewFit all_skin;
-    internal::ViewFit all_sensor;
-    const auto add = [](internal::ViewFit& sum, const internal::ViewFit& fit) {
-      sum.sum_sq_mm2 += fit.sum_sq_mm2;
-      sum.sum_weights += fit.sum_weights;
-    };
-    for (int fold = 0; fold < options_.num_folds; ++fold) {
-      if (stop_.stop_requested()) return result;
+  [[nodiscard]] internal::HeldOutRest left_by(const ModelFit& fitted) const {
+    internal::HeldOutRest left;
+    for (int fold = 0; fold < options_.num_folds && !stop_.stop_requested(); ++fold) {
       std::vector<std::size_t> train;
       std::vector<std::size_t> test;
       for (std::size_t i = 0; i < views_.size(); ++i) {
@@ -357,25 +368,31 @@ class Estimation {
                                               views_.size()) == fold;
         (is_held ? test : train).push_back(i);
       }
-      const auto of_skin = judge_views(skin, train, test);
-      const auto of_sensor = judge_views(full, train, test);
-      add(all_as_is, judge_views(as_is, train, test));
-      add(all_skin, of_skin);
-      add(all_sensor, of_sensor);
-      const double gain = mean_sq_mm2(of_skin) - mean_sq_mm2(of_sensor);
-      gains.push_back(gain);
-      if (gain > 0.0) ++result.num_better;
+      left.folds.push_back(judge_views(fitted, train, test));
     }
-    result.as_it_is_mm = std::sqrt(mean_sq_mm2(all_as_is));
-    result.skin_mm = std::sqrt(mean_sq_mm2(all_skin));
-    result.sensor_mm = std::sqrt(mean_sq_mm2(all_sensor));
-    const auto count = static_cast<double>(gains.size());
-    const double mean = std::accumulate(gains.begin(), gains.end(), 0.0) / count;
-    double squares = 0.0;
-    for (const double gain : gains) squares += (gain - mean) * (gain - mean);
-    const double standard_error = std::sqrt(squares / (count * (count - 1.0)));
-    result.significance = mean / std::max(1e-9, standard_error);
-    return result;
+    return left;
+  }
+
+  [[nodiscard]] HeldOutFit hold_out(const ModelFit& skin, const ModelFit& both) const {
+    ModelFit as_it_is{BundleModel::kPoses, start_, {}};
+    ModelFit sensor{BundleModel::kSensor, start_, {}};
+    fit(as_it_is, kPasses);
+    fit(sensor, kPasses);
+    const auto left_as_it_is = left_by(as_it_is);
+    const auto left_by_skin = left_by(skin);
+    const auto left_by_sensor = left_by(sensor);
+    const auto left_by_both = left_by(both);
+    HeldOutFit held;
+    held.num_folds = options_.num_folds;
+    if (stop_.stop_requested()) return held;
+    held.as_it_is_mm = left_as_it_is.mm();
+    held.skin_mm = left_by_skin.mm();
+    held.sensor_mm = left_by_sensor.mm();
+    held.both_mm = left_by_both.mm();
+    held.sensor = internal::gain_of(left_by_both, left_by_skin);
+    held.skin = internal::gain_of(left_by_skin, left_as_it_is);
+    held.skin_and_sensor = internal::gain_of(left_by_both, left_by_sensor);
+    return held;
   }
 
   /// How well a model that was fitted to some views explains others, each at its best pose.
@@ -409,7 +426,7 @@ class Estimation {
     std::vector<Image<float>> pictures;
     std::vector<double> sizes;
     for (std::size_t i = 0; i < views_.size(); ++i) {
-      Image<float> picture(columns, rows, kNoResidual);
+      Image<float> picture(columns, rows, internal::kNoResidual);
       const auto residuals = bundle.residuals(i, fitted.state);
       for (std::size_t k = 0; k < residuals.size(); ++k) {
         if (!(fitted.views[i].readings[k].weight > 0.0F)) continue;
@@ -422,7 +439,8 @@ class Estimation {
     if (sizes.size() < 1000) return scatter;
     constexpr double kSdPerMedian = 1.4826;
     scatter.ratio = kSdPerMedian * quantile(std::move(sizes), 0.5);
-    scatter.correlated = correlated_readings(pictures, static_cast<float>(3.0 * scatter.ratio));
+    scatter.correlated =
+        internal::correlated_readings(pictures, static_cast<float>(3.0 * scatter.ratio));
     return scatter;
   }
 
@@ -438,58 +456,6 @@ class Estimation {
     const double by_scatter = scatter.ratio * scatter.ratio * scatter.correlated;
     const double least_sq_mm2 = options_.systematic_mm * options_.systematic_mm;
     return 1.0 / (by_scatter + least_sq_mm2 * sum_weights);
-  }
-
-  /// Sum of the residuals' correlations with those of their neighbours and with those at the same
-  /// place of other views.
-  [[nodiscard]] static double correlated_readings(const std::vector<Image<float>>& pictures,
-                                                  float limit) {
-    constexpr int kReach = 3;
-    const auto is_there = [&](float value) { return std::abs(value) < limit; };
-    const auto correlation = [&](int dx, int dy, std::size_t later) {
-      double products = 0.0;
-      double squares = 0.0;
-      for (std::size_t i = 0; i + later < pictures.size(); ++i) {
-        const auto& a = pictures[i];
-        const auto& b = pictures[i + later];
-        for (int y = std::max(0, -dy); y < a.height() - std::max(0, dy); ++y) {
-          for (int x = std::max(0, -dx); x < a.width() - std::max(0, dx); ++x) {
-            const float first = a(x, y);
-            const float second = b(x + dx, y + dy);
-            if (!is_there(first) || !is_there(second)) continue;
-            products += static_cast<double>(first * second);
-            squares += 0.5 * static_cast<double>(first * first + second * second);
-          }
-        }
-      }
-      return squares > 0.0 ? std::max(0.0, products / squares) : 0.0;
-    };
-    double in_picture = 1.0;
-    for (int dy = 0; dy <= kReach; ++dy) {
-      for (int dx = -kReach; dx <= kReach; ++dx) {
-        if (dy == 0 && dx <= 0) continue;
-        in_picture += 2.0 * correlation(dx, dy, 0);
-      }
-    }
-    const double in_time = correlation(0, 0, std::max<std::size_t>(1, pictures.size() / 2));
-    return in_picture * (1.0 + in_time * static_cast<double>(pictures.size() - 1));
-  }
-
-  [[nodiscard]] SelfCalibrationVerdict judge(const SelfCalibration& result) const {
-    const auto& held = result.held_out;
-    const double gain = 1.0 - held.sensor_mm / held.skin_mm;
-    const bool explains = held.significance > kLeastSignificance && gain > kLeastGain &&
-                          held.num_better + 1 >= held.num_folds;
-    // So far off is no sensor: a cover, or another body.
-    const bool is_plausible = result.shift_mm < kMostPlausible * result.before_mm;
-    if (!explains || !is_plausible) return SelfCalibrationVerdict::kNoError;
-    // Less is told apart from the sensor by the views that were held out.
-    if (result.skin_rms_mm > options_.skin_mm) return SelfCalibrationVerdict::kSkinChanged;
-    if (result.open_share > kMostOpenShare) {
-      return SelfCalibrationVerdict::kTooLittleMotion;
-    }
-    return result.shift_mm < kLeastShiftMm ? SelfCalibrationVerdict::kSmall
-                                           : SelfCalibrationVerdict::kError;
   }
 
   const TriangleMesh& mesh_;
@@ -515,6 +481,8 @@ std::string_view to_string(SelfCalibrationVerdict verdict) {
       return "too-few-views";
     case SelfCalibrationVerdict::kTooLittleMotion:
       return "too-little-motion";
+    case SelfCalibrationVerdict::kOtherBody:
+      return "other-body";
     case SelfCalibrationVerdict::kSkinChanged:
       return "skin-changed";
     case SelfCalibrationVerdict::kNoError:
@@ -527,21 +495,13 @@ std::string_view to_string(SelfCalibrationVerdict verdict) {
   return "too-few-views";
 }
 
-double SkinChange::at_mm(const Eigen::Vector3d& ct_mm) const {
-  double sum_mm = 0.0;
-  for (std::size_t i = 0; i < places_mm.size(); ++i) {
-    const double apart_sq = (places_mm[i] - ct_mm).squaredNorm() / (reach_mm * reach_mm);
-    sum_mm += weights_mm[i] * std::exp(-0.5 * apart_sq);
-  }
-  return sum_mm;
+double SelfCalibration::now_mm() const {
+  return std::hypot(corrects_sensor() ? std::hypot(shift_mm, remaining_mm) : 0.0,
+                    follows_skin ? std::hypot(skin_shift_mm, skin_remaining_mm) : 0.0);
 }
 
-TriangleMesh SkinChange::applied_to(TriangleMesh skin) const {
-  for (std::size_t i = 0; i < skin.vertices.size(); ++i) {
-    const double out_mm = at_mm(skin.vertices[i].cast<double>());
-    skin.vertices[i] += static_cast<float>(out_mm) * skin.normals[i];
-  }
-  return skin;
+double SelfCalibration::left_mm() const {
+  return std::hypot(corrects_sensor() ? remaining_mm : 0.0, follows_skin ? skin_remaining_mm : 0.0);
 }
 
 Result<void> SelfCalibrationOptions::check() const {

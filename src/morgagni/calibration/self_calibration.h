@@ -9,6 +9,7 @@
 
 #include <Eigen/Geometry>
 
+#include "morgagni/calibration/skin_change.h"
 #include "morgagni/calibration/skin_readings.h"
 #include "morgagni/camera/depth_correction.h"
 #include "morgagni/core/result.h"
@@ -36,7 +37,7 @@ struct SelfCalibrationOptions {
   int rows = 10;     ///< 3..40.
   SensorPrior prior;
   double skin_mm = 1.0;         ///< How far the skin may have changed since the CT, smoothly. > 0.
-  double skin_reach_mm = 60.0;  ///< How smoothly. > 0.
+  double skin_reach_mm = 30.0;  ///< How smoothly. > 0.
   /// Of any pattern of residuals: what field, noise model and skin leave, root mean square. > 0.
   double systematic_mm = 0.03;
   int num_folds = 6;  ///< Of the views in time, each held out once. 3..20.
@@ -44,41 +45,39 @@ struct SelfCalibrationOptions {
   [[nodiscard]] Result<void> check() const;
 };
 
-/// What the views say of the camera.
+/// What the views say of the camera and of the body's skin.
 enum class SelfCalibrationVerdict : std::uint8_t {
   kTooFewViews,
   kTooLittleMotion,  ///< Too much of the error would look the same as a pose.
-  kSkinChanged,      ///< The skin is not as in the CT: a sensor's error cannot be told from that.
+  kOtherBody,        ///< The skin is farther off than a body changes: another one, or a cover.
   kNoError,          ///< Views that were held out are not explained better: leave it as it is.
   kSmall,            ///< There is an error, too small to matter or to be sure of.
-  kError,            ///< There is an error; removing it is proposed.
+  kSkinChanged,      ///< The skin has changed since the CT: following it is proposed.
+  kError,            ///< The sensor errs: removing it is proposed, and more where follows_skin.
 };
 
-/// "too-few-views", "too-little-motion", "skin-changed", "no-error", "small", "error".
+/// "too-few-views", "too-little-motion", "other-body", "no-error", "small", "skin-changed",
+/// "error".
 [[nodiscard]] std::string_view to_string(SelfCalibrationVerdict verdict);
+
+/// By how much one model explains views that were held out better than another.
+struct HeldOutGain {
+  double share = 0.0;         ///< Of how far they lie off the skin.
+  double significance = 0.0;  ///< Mean gain over its standard error, both over the folds.
+  int num_better = 0;         ///< Folds that it explains better.
+};
 
 /// How far views that took no part in an estimate lie off the skin, robust root mean square, each
 /// with the pose that suits it best.
 struct HeldOutFit {
   double as_it_is_mm = 0.0;
-  double skin_mm = 0.0;    ///< With the skin free to have changed.
-  double sensor_mm = 0.0;  ///< And the sensor corrected.
-  /// Mean gain of the sensor's correction over its standard error, both over the folds.
-  double significance = 0.0;
-  int num_better = 0;  ///< Folds that the correction explains better.
+  double skin_mm = 0.0;         ///< With the skin free to have changed.
+  double sensor_mm = 0.0;       ///< With the sensor corrected.
+  double both_mm = 0.0;         ///< With both.
+  HeldOutGain sensor;           ///< Of both over the skin alone.
+  HeldOutGain skin;             ///< Of the skin over nothing.
+  HeldOutGain skin_and_sensor;  ///< Of both over the sensor alone.
   int num_folds = 0;
-};
-
-/// How far the body's skin lies outside of where the CT has it, along the normal: smooth, and 0 far
-/// from where it was seen.
-struct SkinChange {
-  std::vector<Eigen::Vector3d> places_mm;  ///< Frame ct.
-  std::vector<double> weights_mm;          ///< Of a Gaussian bump around each.
-  double reach_mm = 1.0;                   ///< Of the bumps.
-
-  [[nodiscard]] double at_mm(const Eigen::Vector3d& ct_mm) const;
-  /// The skin as it is now.
-  [[nodiscard]] TriangleMesh applied_to(TriangleMesh skin) const;
 };
 
 struct SelfCalibration {
@@ -86,7 +85,11 @@ struct SelfCalibration {
   /// The most likely correction, whatever the verdict, and the pinhole that goes with it.
   DepthCorrection correction;
   PinholeCamera depth;
+  /// The most likely change of the skin: along with the correction, or where the skin alone has
+  /// changed without it.
   SkinChange skin;
+  /// Whether registering to the skin as found is part of what is proposed.
+  bool follows_skin = false;
   HeldOutFit held_out;
   /// How far the correction moves the body's points, root mean square over skin and views: what the
   /// tracked poses are estimated to be off.
@@ -100,6 +103,9 @@ struct SelfCalibration {
   double focal_y_ratio = 0.0;
   Eigen::Vector2d center_px = Eigen::Vector2d::Zero();  ///< Found less stated.
   double skin_rms_mm = 0.0;                             ///< Change of the skin, where it was seen.
+  double skin_most_mm = 0.0;                            ///< The same, the 99th percentile.
+  double skin_shift_mm = 0.0;                           ///< As shift_mm, of following the skin.
+  double skin_remaining_mm = 0.0;                       ///< As remaining_mm, of the skin's change.
   int num_parameters = 0;
   int num_open = 0;  ///< Combinations of them of which the views say less than the prior.
   int num_views = 0;
@@ -107,6 +113,14 @@ struct SelfCalibration {
   double size_ratio = 0.0;
   double noise_ratio = 0.0;          ///< Of the blocks' residuals over single readings' noise.
   double correlated_readings = 0.0;  ///< So many err together.
+
+  [[nodiscard]] bool corrects_sensor() const { return verdict == SelfCalibrationVerdict::kError; }
+  /// Whether anything is proposed.
+  [[nodiscard]] bool proposes() const { return corrects_sensor() || follows_skin; }
+  /// How far off tracked poses are estimated to be by all that is proposed.
+  [[nodiscard]] double now_mm() const;
+  /// What stays unknown of the pose when it is done.
+  [[nodiscard]] double left_mm() const;
 };
 
 /// Separates a camera's systematic error from pose errors and from a changed skin: what is fixed in

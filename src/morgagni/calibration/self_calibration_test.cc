@@ -92,7 +92,7 @@ TEST(SelfCalibration, FindsASmoothErrorAndProposesToRemoveIt) {
   const auto found = estimate_self_calibration(body, kCamera, views_of(body, 1.0));
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(to_string(found->verdict), "error");
-  EXPECT_GT(found->held_out.significance, 3.0);
+  EXPECT_GT(found->held_out.sensor.significance, 3.0);
   EXPECT_LT(found->held_out.sensor_mm, found->held_out.as_it_is_mm);
   // Where the body was seen the shape is right; its mean looks like a shorter way to the body, and
   // is held by the prior.
@@ -113,7 +113,7 @@ TEST(SelfCalibration, LeavesAnErrorThatHardlyMovesTheBody) {
   const auto found = estimate_self_calibration(body, kCamera, views_of(body, 0.5));
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(to_string(found->verdict), "small");
-  EXPECT_GT(found->held_out.significance, 3.0);
+  EXPECT_GT(found->held_out.sensor.significance, 3.0);
   EXPECT_LT(found->shift_mm, 1.0);
 }
 
@@ -123,6 +123,7 @@ TEST(SelfCalibration, LeavesASensorWithoutErrorAsItIs) {
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_NE(to_string(found->verdict), "error");
   EXPECT_LT(found->shift_mm, 1.5);
+  EXPECT_FALSE(found->proposes());
 }
 
 /// The body some time after its CT: its skin has moved by up to 1.5 mm, in and out.
@@ -145,8 +146,8 @@ TEST(SelfCalibration, FindsTheSensorsErrorOnAChangedBodyToo) {
   ASSERT_TRUE(found) << found.error().message;
   const auto& held = found->held_out;
   EXPECT_EQ(to_string(found->verdict), "error")
-      << held.skin_mm << " to " << held.sensor_mm << " mm, " << held.num_better << " parts, "
-      << held.significance;
+      << held.skin_mm << " to " << held.both_mm << " mm, " << held.sensor.num_better << " parts, "
+      << held.sensor.significance;
   EXPECT_GT(found->skin_rms_mm, 0.3) << "else the body had not changed";
 }
 
@@ -154,7 +155,9 @@ TEST(SelfCalibration, AChangedBodyAloneIsNoErrorOfTheSensor) {
   const auto body = bumpy_body();
   const auto found = estimate_self_calibration(body, kCamera, views_of(changed_body(), 0.0));
   ASSERT_TRUE(found) << found.error().message;
-  EXPECT_NE(to_string(found->verdict), "error");
+  EXPECT_EQ(to_string(found->verdict), "skin-changed") << found->held_out.skin.share;
+  EXPECT_TRUE(found->follows_skin);
+  EXPECT_GT(found->skin_most_mm, found->skin_rms_mm);
   // Seen from the front, the change is found but for what a pose is, too.
   const auto now = found->skin.applied_to(body);
   std::vector<double> before_mm;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <ctime>
+#include <iterator>
 #include <numbers>
 #include <random>
 
@@ -150,22 +151,7 @@ class SeedRun {
     MOR_TRY(run.found,
             estimate_self_calibration(group_.body->mesh, stated, views, options_.estimate));
     run.cpu_s = thread_cpu_s() - started_s;
-    const auto measure = [&](const HeldFrame& held) -> Result<void> {
-      levels_.learn(held.depth_mm.view());
-      const auto corrected = run.found.correction.apply(held.depth_mm.view(), levels_);
-      MOR_TRY(const auto before, align(held.depth_mm, stated, held.start));
-      MOR_TRY(const auto after, align(corrected, run.found.depth, held.start));
-      if (!before || !after) return {};  // It has no pose either way, and shows none.
-      run.before_mm.push_back(target_registration_error_mm(*before, held.truth, targets_));
-      run.applied_mm.push_back(target_registration_error_mm(*after, held.truth, targets_));
-      return {};
-    };
-    const int num_frames = group_.held ? static_cast<int>(group_.held->frames.size()) : kMostShown;
-    const std::size_t wanted =
-        static_cast<std::size_t>(group_.held ? num_frames : options_.num_held);
-    for (int i = 0; i < num_frames && run.before_mm.size() < wanted; ++i) {
-      MOR_CHECK(measure(held_frame(group_.held ? i : shown + i)));
-    }
+    MOR_CHECK(measure(shown, stated, run));
     return run;
   }
 
@@ -186,11 +172,14 @@ class SeedRun {
     random_.seed(seed);
     if (group_.held) {
       targets_ = group_.held->targets;
-      return {};
+    } else {
+      MOR_TRY(targets_, sample_skin_targets(mesh, kTargetsOfAKind, 1));
+      MOR_TRY(const auto inner, sample_internal_targets(mesh, kTargetsOfAKind, 1));
+      targets_.insert(targets_.end(), inner.begin(), inner.end());
     }
-    MOR_TRY(targets_, sample_skin_targets(mesh, kTargetsOfAKind, 1));
-    MOR_TRY(const auto inner, sample_internal_targets(mesh, kTargetsOfAKind, 1));
-    targets_.insert(targets_.end(), inner.begin(), inner.end());
+    std::ranges::copy_if(targets_, std::back_inserter(inside_), [](const Target& target) {
+      return !target.on_skin;
+    });
     return {};
   }
 
@@ -202,6 +191,44 @@ class SeedRun {
       skin = changed_skin(std::move(skin), group_.changed_skin_mm, seed);
     }
     return skin;
+  }
+
+  /// Registers the held frames as they are, with the sensor corrected, and as the verdict says.
+  Result<void> measure(int shown, const PinholeCamera& stated, SelfCalibrationRun& run) {
+    const auto& found = run.found;
+    auto skin = group_.body;
+    if (found.follows_skin) {
+      MOR_TRY(skin, skin_as_found(skin->mesh, found.skin, "as found"));
+    }
+    MOR_TRY(const auto on_skin, make_fine_registration(skin, {}));
+    const int num_frames = group_.held ? static_cast<int>(group_.held->frames.size()) : kMostShown;
+    const auto wanted = static_cast<std::size_t>(group_.held ? num_frames : options_.num_held);
+    for (int i = 0; i < num_frames && run.before.all_mm.size() < wanted; ++i) {
+      const auto held = held_frame(group_.held ? i : shown + i);
+      levels_.learn(held.depth_mm.view());
+      const auto corrected = found.correction.apply(held.depth_mm.view(), levels_);
+      MOR_TRY(const auto before, align(held.depth_mm, stated, held.start));
+      MOR_TRY(const auto sensor, align(corrected, found.depth, held.start));
+      MOR_TRY(const auto followed,
+              registered(*on_skin,
+                         skin->mesh,
+                         found.corrects_sensor() ? corrected : held.depth_mm,
+                         found.corrects_sensor() ? found.depth : stated,
+                         options_.depth,
+                         held.start));
+      if (!before || !sensor || !followed) continue;  // It has no pose some way, and shows none.
+      add_errors(*before, held.truth, run.before);
+      add_errors(*sensor, held.truth, run.sensor);
+      add_errors(*followed, held.truth, run.followed);
+    }
+    return {};
+  }
+
+  void add_errors(const Eigen::Isometry3d& found,
+                  const Eigen::Isometry3d& truth,
+                  HeldErrors& errors) const {
+    errors.all_mm.push_back(target_registration_error_mm(found, truth, targets_));
+    errors.inside_mm.push_back(target_registration_error_mm(found, truth, inside_));
   }
 
   struct HeldFrame {
@@ -263,19 +290,32 @@ class SeedRun {
   DepthLevels levels_;  ///< Of the pictures as tracking gets them.
   std::unique_ptr<FineRegistration> registration_;
   std::vector<Target> targets_;
+  std::vector<Target> inside_;  ///< Of them.
   std::mt19937_64 random_;
   bool is_views_ = false;
 };
 
 /// All frames of a group's runs.
 struct GroupErrors {
-  std::vector<double> before_mm, followed_mm, applied_mm;
-  std::vector<double> remaining_mm;  ///< As each run says it.
+  HeldErrors before, sensor, followed;
+  std::vector<double> left_mm;      ///< Of the runs with a proposal: what they say stays,
+  std::vector<double> proposed_mm;  ///< and their frames' errors once it is followed.
   int num_runs = 0;
-  int num_proposed = 0;
-  int num_better = 0;  ///< Frames that gain, by 0.1 mm or more, when the verdict is followed.
-  int num_worse = 0;
+  int num_sensor = 0;      ///< Runs that propose to correct the sensor,
+  int num_skin = 0;        ///< and to follow the skin.
+  int num_better = 0;      ///< Frames that gain, by 0.1 mm or more, when the verdict is followed.
+  int num_worse = 0;       ///< And that lose.
+  int num_runs_worse = 0;  ///< In the mean over their frames.
 };
+
+void append(const std::vector<double>& more, std::vector<double>& all) {
+  all.insert(all.end(), more.begin(), more.end());
+}
+
+void append(const HeldErrors& more, HeldErrors& all) {
+  append(more.all_mm, all.all_mm);
+  append(more.inside_mm, all.inside_mm);
+}
 
 GroupErrors collect(const std::vector<SelfCalibrationRun>& runs, std::size_t group) {
   constexpr double kNoticeableMm = 0.1;
@@ -283,16 +323,23 @@ GroupErrors collect(const std::vector<SelfCalibrationRun>& runs, std::size_t gro
   for (const auto& run : runs) {
     if (run.group != group) continue;
     ++errors.num_runs;
-    if (run.found.verdict == SelfCalibrationVerdict::kError) ++errors.num_proposed;
-    const auto& followed = run.followed_mm();
-    errors.remaining_mm.push_back(run.found.remaining_mm);
-    errors.before_mm.insert(errors.before_mm.end(), run.before_mm.begin(), run.before_mm.end());
-    errors.followed_mm.insert(errors.followed_mm.end(), followed.begin(), followed.end());
-    errors.applied_mm.insert(errors.applied_mm.end(), run.applied_mm.begin(), run.applied_mm.end());
-    for (std::size_t i = 0; i < followed.size(); ++i) {
-      if (followed[i] < run.before_mm[i] - kNoticeableMm) ++errors.num_better;
-      if (followed[i] > run.before_mm[i] + kNoticeableMm) ++errors.num_worse;
+    if (run.found.corrects_sensor()) ++errors.num_sensor;
+    if (run.found.follows_skin) ++errors.num_skin;
+    append(run.before, errors.before);
+    append(run.sensor, errors.sensor);
+    append(run.followed, errors.followed);
+    if (run.found.proposes()) {
+      errors.left_mm.push_back(run.found.left_mm());
+      append(run.followed.all_mm, errors.proposed_mm);
     }
+    const auto& before_mm = run.before.all_mm;
+    const auto& followed_mm = run.followed.all_mm;
+    for (std::size_t i = 0; i < followed_mm.size(); ++i) {
+      if (followed_mm[i] < before_mm[i] - kNoticeableMm) ++errors.num_better;
+      if (followed_mm[i] > before_mm[i] + kNoticeableMm) ++errors.num_worse;
+    }
+    const double gain_mm = summarize(before_mm).mean - summarize(followed_mm).mean;
+    if (gain_mm < -kNoticeableMm) ++errors.num_runs_worse;
   }
   return errors;
 }
@@ -343,10 +390,7 @@ Result<RecordedLimit> recorded_limit(const std::shared_ptr<const FixedSurface>& 
                                      const RecordedFrames& recorded,
                                      const RecordedBias& bias,
                                      const BodySurfaceOptions& depth) {
-  const auto changed = bias.body.applied_to(body->mesh);
-  MOR_TRY(auto field, DistanceField::build(changed));
-  const auto body_now =
-      std::make_shared<const FixedSurface>(FixedSurface{changed, std::move(field)});
+  MOR_TRY(const auto body_now, skin_as_found(body->mesh, bias.body, "by the truth"));
   const auto errors = [&](const std::shared_ptr<const FixedSurface>& skin,
                           bool is_corrected) -> Result<std::vector<double>> {
     MOR_TRY(const auto registration, make_fine_registration(skin, {}));
@@ -376,25 +420,39 @@ std::string to_markdown(const std::vector<SelfCalibrationGroup>& groups,
                         const std::vector<SelfCalibrationRun>& runs) {
   std::string text =
       "TRE at held frames in mm: mean ± SD / median / p95 / max.\n\n"
-      "| case | proposed | as it is | verdict followed | frames better / worse | applied always, "
-      "median | and root mean square, said to stay |\n|---|---|---|---|---|---|---|\n";
+      "| case | proposed: sensor, skin | as it is | verdict followed | inside, mean | frames "
+      "better "
+      "/ worse | runs worse | sensor alone, always: mean | where proposed: root mean square, said "
+      "to stay |\n|---|---|---|---|---|---|---|---|---|\n";
   for (std::size_t i = 0; i < groups.size(); ++i) {
     const auto errors = collect(runs, i);
-    const auto frames = static_cast<double>(std::max<std::size_t>(1, errors.before_mm.size()));
-    text +=
-        fmt::format("| {} | {} of {} | {} | {} | {:.0f} / {:.0f} % | {:.2f} | {:.2f}, {:.2f} |\n",
-                    groups[i].name,
-                    errors.num_proposed,
-                    errors.num_runs,
-                    summary_cells(errors.before_mm),
-                    summary_cells(errors.followed_mm),
-                    100.0 * errors.num_better / frames,
-                    100.0 * errors.num_worse / frames,
-                    summarize(errors.applied_mm).median,
-                    root_mean_square(errors.applied_mm),
-                    root_mean_square(errors.remaining_mm));
+    const auto frames = static_cast<double>(std::max<std::size_t>(1, errors.before.all_mm.size()));
+    const auto stays = errors.left_mm.empty() ? std::string("–")
+                                              : fmt::format("{:.2f}, {:.2f}",
+                                                            root_mean_square(errors.proposed_mm),
+                                                            root_mean_square(errors.left_mm));
+    text += fmt::format(
+        "| {} | {}, {} of {} | {} | {} | {:.2f} to {:.2f} | {:.0f} / {:.0f} % | {} | {:.2f} | {} "
+        "|\n",
+        groups[i].name,
+        errors.num_sensor,
+        errors.num_skin,
+        errors.num_runs,
+        summary_cells(errors.before.all_mm),
+        summary_cells(errors.followed.all_mm),
+        summarize(errors.before.inside_mm).mean,
+        summarize(errors.followed.inside_mm).mean,
+        100.0 * errors.num_better / frames,
+        100.0 * errors.num_worse / frames,
+        errors.num_runs_worse,
+        summarize(errors.sensor.all_mm).mean,
+        stays);
   }
   return text;
+}
+
+static nlohmann::json gain_json(const HeldOutGain& gain) {
+  return {{"share", gain.share}, {"significance", gain.significance}, {"better", gain.num_better}};
 }
 
 std::string to_json(const std::vector<SelfCalibrationGroup>& groups,
@@ -411,14 +469,22 @@ std::string to_json(const std::vector<SelfCalibrationGroup>& groups,
                     {"size_ratio", run.found.size_ratio},
                     {"open", run.found.num_open},
                     {"skin_rms_mm", run.found.skin_rms_mm},
+                    {"skin_shift_mm", run.found.skin_shift_mm},
+                    {"skin_remaining_mm", run.found.skin_remaining_mm},
+                    {"follows_skin", run.found.follows_skin},
                     {"focal_ratio", {run.found.focal_x_ratio, run.found.focal_y_ratio}},
+                    {"open_share", run.found.open_share},
                     {"held_out_mm",
                      {run.found.held_out.as_it_is_mm,
                       run.found.held_out.skin_mm,
-                      run.found.held_out.sensor_mm}},
-                    {"significance", run.found.held_out.significance},
-                    {"tre_before_mm", run.before_mm},
-                    {"tre_applied_mm", run.applied_mm},
+                      run.found.held_out.sensor_mm,
+                      run.found.held_out.both_mm}},
+                    {"gain_by_sensor", gain_json(run.found.held_out.sensor)},
+                    {"gain_by_skin", gain_json(run.found.held_out.skin)},
+                    {"gain_by_skin_and_sensor", gain_json(run.found.held_out.skin_and_sensor)},
+                    {"tre_before_mm", run.before.all_mm},
+                    {"tre_sensor_mm", run.sensor.all_mm},
+                    {"tre_followed_mm", run.followed.all_mm},
                     {"cpu_s", run.cpu_s}});
   }
   return nlohmann::json{{"first_seed", options.first_seed},

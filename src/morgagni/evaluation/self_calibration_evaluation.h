@@ -50,19 +50,21 @@ struct SelfCalibrationStudyOptions {
   [[nodiscard]] Result<void> check() const;
 };
 
-/// One seed: the target registration error of the held frames, each registered anew.
+/// Target registration errors of the held frames, each registered anew.
+struct HeldErrors {
+  std::vector<double> all_mm;     ///< At targets on the skin and inside.
+  std::vector<double> inside_mm;  ///< At those inside alone, which a changed skin does not move.
+};
+
+/// One seed.
 struct SelfCalibrationRun {
   std::size_t group = 0;
   std::uint64_t seed = 0;
   SelfCalibration found;
-  std::vector<double> before_mm;   ///< As the camera is.
-  std::vector<double> applied_mm;  ///< With the correction, whatever the verdict.
-  double cpu_s = 0.0;              ///< Of the estimate.
-
-  /// As a user has it who follows the verdict.
-  [[nodiscard]] const std::vector<double>& followed_mm() const {
-    return found.verdict == SelfCalibrationVerdict::kError ? applied_mm : before_mm;
-  }
+  HeldErrors before;    ///< As the camera and the CT are.
+  HeldErrors sensor;    ///< With the sensor corrected, whatever the verdict.
+  HeldErrors followed;  ///< As a user has it who follows the verdict.
+  double cpu_s = 0.0;   ///< Of the estimate.
 };
 
 /// Draws views and held frames, estimates, and registers the held frames with and without.

@@ -42,6 +42,11 @@ Json to_json(const RgbdCalibration& calibration) {
   return json;
 }
 
+std::string skin_words(const std::shared_ptr<const FixedSurface>& skin) {
+  if (!skin || skin->change.empty()) return "the CT's skin";
+  return "the skin " + skin->change;
+}
+
 Json to_json(const Eigen::Isometry3d& pose) {
   Json rows = Json::array();
   for (int row = 0; row < 3; ++row) {

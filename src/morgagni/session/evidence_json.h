@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <memory>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -21,6 +22,9 @@ inline constexpr const char* kNotice = "Not a medical device";
 [[nodiscard]] Json head(const Case& body);
 [[nodiscard]] Json to_json(const PinholeCamera& camera);
 [[nodiscard]] Json to_json(const RgbdCalibration& calibration);
+/// Which skin the frames are registered to: "the CT's", or how it differs from that. Null: the
+/// CT's.
+[[nodiscard]] std::string skin_words(const std::shared_ptr<const FixedSurface>& skin);
 /// The upper three rows, row by row.
 [[nodiscard]] Json to_json(const Eigen::Isometry3d& pose);
 

@@ -70,9 +70,14 @@ std::shared_ptr<const RgbdCalibration> LiveLoop::calibration() const {
   return tracking_->calibration();
 }
 
+std::shared_ptr<const FixedSurface> LiveLoop::skin() const {
+  return tracking_->skin();
+}
+
 Result<void> LiveLoop::use_calibration(std::shared_ptr<const RgbdCalibration> calibration,
+                                       std::shared_ptr<const FixedSurface> skin,
                                        double sensor_bias_mm) {
-  return tracking_->use_calibration(std::move(calibration), sensor_bias_mm);
+  return tracking_->use_calibration(std::move(calibration), std::move(skin), sensor_bias_mm);
 }
 
 void LiveLoop::expect_bias(double sensor_bias_mm) {

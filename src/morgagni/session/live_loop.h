@@ -92,12 +92,18 @@ class LiveLoop {
   /// Under which the frames are tracked: the camera's own, until use_calibration().
   [[nodiscard]] std::shared_ptr<const RgbdCalibration> calibration() const;
 
+  /// To which the frames are registered: the CT's, until use_calibration().
+  [[nodiscard]] std::shared_ptr<const FixedSurface> skin() const;
+
   /// From the next frame on, frames are tracked under this calibration, whatever the camera says;
   /// the sensor's depth stays as it is (`as_sensed`). The tracking goes on.
+  /// @param skin  The case's, or as it was found to be now. What is drawn, saved and exported of
+  /// the body stays the CT's.
   /// @param sensor_bias_mm  What is not known of its depth, for the error bound: 0..50; on top of
   /// the options'.
   /// @errors kInvalidArgument: pictures of another size, a camera or correction that is none.
   [[nodiscard]] Result<void> use_calibration(std::shared_ptr<const RgbdCalibration> calibration,
+                                             std::shared_ptr<const FixedSurface> skin,
                                              double sensor_bias_mm);
 
   /// From the next frame on, so much is not known of the depth, for the error bound: 0..50, on top

@@ -103,14 +103,20 @@ Result<std::unique_ptr<LiveSession>> LiveSession::start(Case body,
   loop->observe([texture](const TrackedFrame& tracked) { texture->look(tracked); });
   loop->take_fused_from([texture] { return texture->texture(); });
   const auto recorder = std::make_shared<Recorder>(
-      shared_body, [loop] { return loop->calibration(); }, options.camera_name);
+      shared_body,
+      [loop] { return loop->calibration(); },
+      [loop] { return loop->skin(); },
+      options.camera_name);
   const auto recording = make_session_recorder(*shared_body, options.camera_name);
   loop->observe([recording](const TrackedFrame& tracked) { recording->see(tracked); });
   const RgbdCalibration own_calibration = *loop->calibration();
-  const CalibrationInUse calibration{
-      [loop] { return loop->calibration(); },
-      [loop](auto next, double bias_mm) { return loop->use_calibration(std::move(next), bias_mm); },
-      [loop](double bias_mm) { loop->expect_bias(bias_mm); }};
+  const CalibrationInUse calibration{[loop] { return loop->calibration(); },
+                                     [loop] { return loop->skin(); },
+                                     [loop](auto next, auto skin, double bias_mm) {
+                                       return loop->use_calibration(
+                                           std::move(next), std::move(skin), bias_mm);
+                                     },
+                                     [loop](double bias_mm) { loop->expect_bias(bias_mm); }};
   const auto hindrance = [recording, recorder] {
     const bool goes_on =
         recording->state().is_recording || recorder->status().state != RecorderState::kIdle;

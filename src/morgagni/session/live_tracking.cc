@@ -46,13 +46,15 @@ LiveTracking::LiveTracking(std::shared_ptr<const Case> body,
     : body_(std::move(body)),
       camera_(std::make_shared<const RgbdCalibration>(camera)),
       depth_options_(options.depth),
+      registration_options_(options.registration),
       sensor_bias_mm_(options.tracking.sensor_bias_mm),
       in_step_(options.in_step),
       tracker_(std::move(tracker)),
       find_(std::make_shared<const StartSearch::Find>(search_on(std::move(automatic)))),
       search_([this](const RgbdFrame& frame, std::stop_token stop) {
         return (*find_.load())(frame, std::move(stop));
-      }) {}
+      }),
+      skin_(body_->skin) {}
 
 Result<TrackedFrame> LiveTracking::follow(std::shared_ptr<const RgbdFrame> frame) {
   const std::lock_guard lock(tracker_mutex_);
@@ -114,26 +116,35 @@ Result<void> LiveTracking::check_size(const RgbdCalibration& calibration) const 
 }
 
 Result<void> LiveTracking::use_calibration(std::shared_ptr<const RgbdCalibration> calibration,
+                                           std::shared_ptr<const FixedSurface> skin,
                                            double sensor_bias_mm) {
   MOR_CHECK(check_size(*calibration));
   if (calibration->depth_correction) MOR_CHECK(calibration->depth_correction->check());
   // What takes time is made before the tracking is held up.
   MOR_TRY(auto extractor, BodySurfaceExtractor::create(calibration->depth, depth_options_));
-  MOR_TRY(auto automatic, AutomaticStart::create(body_->skin, calibration->depth, {}));
+  MOR_TRY(auto automatic, AutomaticStart::create(skin, calibration->depth, {}));
+  MOR_TRY(auto registration, make_fine_registration(skin, registration_options_));
   const std::lock_guard lock(tracker_mutex_);
   tracker_.use_camera(std::move(extractor));
+  tracker_.use_skin(skin, std::move(registration));
   told_bias_mm_ = sensor_bias_mm;
   search_.cancel();
   find_ = std::make_shared<const StartSearch::Find>(
       search_on(std::make_shared<const AutomaticStart>(std::move(automatic))));
   const std::lock_guard status_lock(status_mutex_);
   calibration_ = std::move(calibration);
+  skin_ = std::move(skin);
   return {};
 }
 
 std::shared_ptr<const RgbdCalibration> LiveTracking::calibration() const {
   const std::lock_guard lock(status_mutex_);
   return calibration_ ? calibration_ : camera_;
+}
+
+std::shared_ptr<const FixedSurface> LiveTracking::skin() const {
+  const std::lock_guard lock(status_mutex_);
+  return skin_;
 }
 
 void LiveTracking::start_automatically() {

@@ -60,11 +60,14 @@ class LiveTracking {
 
   /// As LiveLoop::use_calibration.
   [[nodiscard]] Result<void> use_calibration(std::shared_ptr<const RgbdCalibration> calibration,
+                                             std::shared_ptr<const FixedSurface> skin,
                                              double sensor_bias_mm);
   /// As LiveLoop::expect_bias.
   void expect_bias(double sensor_bias_mm) { told_bias_mm_ = sensor_bias_mm; }
   /// Under which the frames are tracked.
   [[nodiscard]] std::shared_ptr<const RgbdCalibration> calibration() const;
+  /// To which they are registered: the CT's, or as it was found to be.
+  [[nodiscard]] std::shared_ptr<const FixedSurface> skin() const;
 
   /// Searches for the body in the depth picture, from now on and after each loss.
   void start_automatically();
@@ -96,6 +99,7 @@ class LiveTracking {
   const std::shared_ptr<const Case> body_;
   const std::shared_ptr<const RgbdCalibration> camera_;
   const BodySurfaceOptions depth_options_;
+  const RegistrationOptions registration_options_;
   const double sensor_bias_mm_;
   std::atomic<double> told_bias_mm_ = 0.0;  ///< On top of it.
   const bool in_step_;
@@ -109,6 +113,7 @@ class LiveTracking {
   mutable std::mutex status_mutex_;
   /// Written under both mutexes, so either one reads it. None: the camera's own.
   std::shared_ptr<const RgbdCalibration> calibration_;
+  std::shared_ptr<const FixedSurface> skin_;  ///< The same.
   SearchStatus search_status_;
 };
 

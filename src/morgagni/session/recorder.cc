@@ -36,9 +36,13 @@ Result<void> write_lines(const fs::path& from, const fs::path& to, std::uint64_t
 
 }  // namespace
 
-Recorder::Recorder(std::shared_ptr<const Case> body, InUse calibration, std::string camera_name)
+Recorder::Recorder(std::shared_ptr<const Case> body,
+                   InUse calibration,
+                   Skin skin,
+                   std::string camera_name)
     : body_(std::move(body)),
       calibration_(std::move(calibration)),
+      skin_(std::move(skin)),
       camera_name_(std::move(camera_name)),
       folder_(body_->folder / "videos") {}
 
@@ -178,6 +182,7 @@ Result<double> Recorder::write_evidence(const std::string& name, const Ended& en
   json["poses"] = "one line a picture; ct_from_camera: mm, upper three rows, row by row";
   json["ended"] = ended.how;
   json["calibration"] = evidence::to_json(*calibration_());
+  json["registered_to"] = evidence::skin_words(skin_());
   json["sha256"] = {{name + ".webm", video_hash}, {name + ".jsonl", lines_hash}};
   MOR_CHECK(write_file(folder_ / (name + ".json"), json.dump(2) + "\n"));
   return seconds;

@@ -39,8 +39,9 @@ class Recorder {
  public:
   /// Asked for when a video is finished. It must not change while one is recorded.
   using InUse = std::function<std::shared_ptr<const RgbdCalibration>()>;
+  using Skin = std::function<std::shared_ptr<const FixedSurface>()>;
 
-  Recorder(std::shared_ptr<const Case> body, InUse calibration, std::string camera_name);
+  Recorder(std::shared_ptr<const Case> body, InUse calibration, Skin skin, std::string camera_name);
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
@@ -78,6 +79,7 @@ class Recorder {
   const std::shared_ptr<const Case> body_;
   LiveServer* server_ = nullptr;  ///< From run() to close().
   const InUse calibration_;
+  const Skin skin_;  ///< To which the pictures' frames are registered.
   const std::string camera_name_;
   const std::filesystem::path folder_;
 

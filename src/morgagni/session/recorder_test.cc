@@ -54,7 +54,10 @@ class RecorderTest : public ::testing::Test {
 
   std::unique_ptr<Recorder> made() const {
     return std::make_unique<Recorder>(
-        body_, [] { return std::make_shared<const RgbdCalibration>(); }, "simulated:");
+        body_,
+        [] { return std::make_shared<const RgbdCalibration>(); },
+        [] { return std::shared_ptr<const FixedSurface>(); },
+        "simulated:");
   }
 
   static bool eventually(const std::function<bool()>& holds) {

@@ -46,10 +46,22 @@ bool is_good(const TrackedFrame& tracked) {
 /// What stays unknown of the depth once the correction is made, and the same while it is not: as
 /// a bias, root mean square.
 double bias_after_mm(const SelfCalibration& found) {
-  return kBiasPerShift * std::hypot(found.remaining_mm, kShiftPerSkin * found.skin_rms_mm);
+  const double by_skin_mm = found.follows_skin ? 0.0 : kShiftPerSkin * found.skin_rms_mm;
+  return kBiasPerShift * std::hypot(found.left_mm(), by_skin_mm);
 }
 double bias_before_mm(const SelfCalibration& found) {
-  return std::hypot(bias_after_mm(found), kBiasPerShift * found.shift_mm);
+  const double by_sensor_mm = found.corrects_sensor() ? found.shift_mm : 0.0;
+  const double by_skin_mm = found.follows_skin ? kShiftPerSkin * found.skin_rms_mm : 0.0;
+  return std::hypot(bias_after_mm(found), kBiasPerShift * std::hypot(by_sensor_mm, by_skin_mm));
+}
+
+/// How far two forms of a skin lie apart at most.
+double most_apart_mm(const TriangleMesh& a, const TriangleMesh& b) {
+  float most_mm = 0.0F;
+  for (std::size_t i = 0; i < std::min(a.vertices.size(), b.vertices.size()); ++i) {
+    most_mm = std::max(most_mm, (a.vertices[i] - b.vertices[i]).norm());
+  }
+  return static_cast<double>(most_mm);
 }
 
 }  // namespace
@@ -95,13 +107,13 @@ void SelfCalibrator::look(const TrackedFrame& tracked) {
     if (!lock || !pace_.wants(*tracked.ct_from_depth, tracked.frame->captured_at)) return;
     pace_.keep(*tracked.ct_from_depth, tracked.frame->captured_at);
   }
-  slot_.put(View{tracked.frame, *tracked.ct_from_depth});
+  slot_.put(View{tracked.frame, *tracked.ct_from_depth, tracked.fixed});
 }
 
 /// What is known to be wrong with the depth and not removed, for the error bound. Under `mutex_`.
 void SelfCalibrator::tell_bias() {
   const double applied_mm = status_.applied ? status_.applied->bias_mm : 0.0;
-  const bool is_off = status_.found && status_.found->verdict == SelfCalibrationVerdict::kError;
+  const bool is_off = status_.found && status_.found->proposes();
   in_use_.expect_bias(std::max(applied_mm, is_off ? bias_before_mm(*status_.found) : 0.0));
 }
 
@@ -146,17 +158,22 @@ KeptCalibration SelfCalibrator::to_keep(const SelfCalibration& found,
   made.figures = {
       {"case", body_->name},
       {"overlay off before", fmt::format("{:.1f} mm", found.shift_mm)},
+      {"the body's skin",
+       found.follows_skin ? fmt::format("had changed by up to {:.1f} mm; that is "
+                                        "the body's and not kept here",
+                                        found.skin_most_mm)
+                          : std::string("as in its CT")},
       {"stays unknown", fmt::format("{:.1f} mm", found.remaining_mm)},
       {"views", fmt::format("{}", found.num_views)},
       {"held-out views off the skin",
-       fmt::format("{:.3f} mm before, {:.3f} mm after", held.as_it_is_mm, held.sensor_mm)},
-      {"parts that agree", fmt::format("{} of {}", held.num_better, held.num_folds)}};
+       fmt::format("{:.3f} mm before, {:.3f} mm after", held.as_it_is_mm, held.both_mm)},
+      {"parts that agree", fmt::format("{} of {}", held.sensor.num_better, held.num_folds)}};
   return made;
 }
 
 void SelfCalibrator::keep(const KeptCalibration& made, AppliedCorrection& applied) {
   std::string problem;
-  if (!device_id_.empty()) {
+  if (applied.corrects_sensor && !device_id_.empty()) {
     const auto file = store_.save(made);
     if (file) {
       applied.kept_in = file->string();
@@ -173,23 +190,37 @@ void SelfCalibrator::keep(const KeptCalibration& made, AppliedCorrection& applie
 Result<void> SelfCalibrator::apply() {
   const std::lock_guard command_lock(command_mutex_);
   MOR_CHECK(check_hindrance());
-  const auto found = [this]() -> std::optional<SelfCalibration> {
+  const auto before_skin = in_use_.skin();
+  auto skin = before_skin;
+  const auto found = [&]() -> std::optional<SelfCalibration> {
     const std::lock_guard lock(mutex_);
-    return status_.phase == SelfCalibratorPhase::kProposed ? status_.found : std::nullopt;
+    if (status_.phase != SelfCalibratorPhase::kProposed) return std::nullopt;
+    if (status_.found->follows_skin) skin = found_skin_;
+    return status_.found;
   }();
   if (!found) {
     return make_error(ErrorCode::kInvalidArgument, "no correction is proposed now");
   }
   const auto in_use = in_use_.get();
   auto made = to_keep(*found, *in_use);
-  MOR_TRY(made.calibration, without_error(*in_use, *found));
-  made.calibration.origin = fmt::format("{}, {}", made.made_by, utc_text(made.made_at));
+  auto next = in_use;
+  if (found->corrects_sensor()) {
+    MOR_TRY(made.calibration, without_error(*in_use, *found));
+    made.calibration.origin = fmt::format("{}, {}", made.made_by, utc_text(made.made_at));
+    next = std::make_shared<const RgbdCalibration>(made.calibration);
+  }
   const double bias_mm = bias_after_mm(*found);
-  MOR_CHECK(in_use_.use(std::make_shared<const RgbdCalibration>(made.calibration), bias_mm));
-  AppliedCorrection applied{
-      made.calibration.origin, found->shift_mm, found->remaining_mm, bias_mm, /*kept_in=*/{}};
+  MOR_CHECK(in_use_.use(next, skin, bias_mm));
+  AppliedCorrection applied{.origin = next->origin,
+                            .corrects_sensor = found->corrects_sensor(),
+                            .follows_skin = found->follows_skin,
+                            .shift_mm = found->now_mm(),
+                            .remaining_mm = found->left_mm(),
+                            .skin_most_mm = found->skin_most_mm,
+                            .bias_mm = bias_mm,
+                            .kept_in = {}};
   keep(made, applied);
-  replaced_.push_back({in_use, applied});
+  replaced_.push_back({in_use, before_skin, applied});
   rest_or_begin(SelfCalibratorPhase::kGathering);
   slot_.put(std::nullopt);
   return {};
@@ -216,7 +247,7 @@ Result<void> SelfCalibrator::undo() {
   MOR_CHECK(check_hindrance());
   const auto back_to = replaced_.back();
   const double bias_mm = replaced_.size() < 2 ? 0.0 : replaced_[replaced_.size() - 2].by.bias_mm;
-  MOR_CHECK(in_use_.use(back_to.calibration, bias_mm));
+  MOR_CHECK(in_use_.use(back_to.calibration, back_to.skin, bias_mm));
   replaced_.pop_back();
   const auto taken_back =
       back_to.by.kept_in.empty() ? Result<void>() : store_.take_back(back_to.by.kept_in);
@@ -239,6 +270,7 @@ SelfCalibratorStatus SelfCalibrator::status() const {
 void SelfCalibrator::begin_anew() {
   gatherer_.reset();
   gathered_with_.reset();
+  gathered_on_.reset();
   levels_ = {};
   num_estimates_ = 0;
 }
@@ -249,10 +281,11 @@ void SelfCalibrator::add(const View& view) {
     begin_anew();  // A device that came back with another calibration.
   }
   gathered_with_ = calibration;
+  gathered_on_ = view.fixed;
   if (!gatherer_) gatherer_.emplace(calibration->depth);
   const double started_ms = thread_cpu_ms();
   levels_.learn(view.frame->depth_mm.view());
-  gatherer_->add(read_skin(body_->skin->mesh,
+  gatherer_->add(read_skin(gathered_on_->mesh,
                            calibration->depth,
                            view.frame->depth_mm.view(),
                            levels_,
@@ -278,12 +311,21 @@ void SelfCalibrator::estimate(std::stop_token stop) {
   }
   const std::stop_callback at_the_end(stop, [&] { estimating.request_stop(); });
   const double started_ms = thread_cpu_ms();
-  const auto found = estimate_self_calibration(body_->skin->mesh,
-                                               gathered_with_->depth,
-                                               gatherer_->views(),
-                                               options_.estimate,
-                                               estimating.get_token());
+  auto found = estimate_self_calibration(gathered_on_->mesh,
+                                         gathered_with_->depth,
+                                         gatherer_->views(),
+                                         options_.estimate,
+                                         estimating.get_token());
   ++num_estimates_;
+  std::shared_ptr<const FixedSurface> skin;
+  if (found && found->follows_skin) {
+    auto made = followed_skin(*found);
+    if (made) {
+      skin = *std::move(made);
+    } else {
+      found = tl::unexpected(made.error());
+    }
+  }
   {
     const std::lock_guard lock(mutex_);
     status_.found_s = 1e-3 * (thread_cpu_ms() - started_ms);
@@ -294,12 +336,23 @@ void SelfCalibrator::estimate(std::stop_token stop) {
       return;
     }
   }
-  take(*found);
+  take(*found, std::move(skin));
+}
+
+/// The skin to be registered to. It takes a second, so it is made before anybody asks for it.
+Result<std::shared_ptr<const FixedSurface>> SelfCalibrator::followed_skin(
+    const SelfCalibration& found) const {
+  const auto now = found.skin.applied_to(gathered_on_->mesh);
+  return skin_as_found(gathered_on_->mesh,
+                       found.skin,
+                       fmt::format("as it was found to be now, up to {:.1f} mm from the CT's ({})",
+                                   most_apart_mm(now, body_->skin->mesh),
+                                   utc_text(std::chrono::system_clock::now())));
 }
 
 /// Proposes, goes on gathering where the motion told too little, or rests.
-void SelfCalibrator::take(const SelfCalibration& found) {
-  const bool is_error = found.verdict == SelfCalibrationVerdict::kError;
+void SelfCalibrator::take(const SelfCalibration& found, std::shared_ptr<const FixedSurface> skin) {
+  const bool is_error = found.proposes();
   const auto coverage = gatherer_->coverage();
   const bool lacks_motion =
       found.verdict == SelfCalibrationVerdict::kTooLittleMotion || !coverage.missing().empty();
@@ -312,6 +365,7 @@ void SelfCalibrator::take(const SelfCalibration& found) {
   const std::lock_guard lock(mutex_);
   if (wants_anew_) return;
   status_.found = found;
+  found_skin_ = std::move(skin);
   tell_bias();
   status_.phase = is_error  ? SelfCalibratorPhase::kProposed
                   : goes_on ? SelfCalibratorPhase::kGathering
@@ -333,6 +387,7 @@ void SelfCalibrator::run(std::stop_token stop) {
     if (!arrived || !*arrived || !wants_views_) continue;
     // A frame of before the change may lie there still.
     if (*(**arrived).frame->calibration != *in_use_.get()) continue;
+    if ((**arrived).fixed != in_use_.skin()) continue;
     add(**arrived);
     if (gatherer_->views().size() >= static_cast<std::size_t>(options_.num_views)) estimate(stop);
   }

@@ -34,9 +34,12 @@ enum class SelfCalibratorPhase : std::uint8_t {
 
 /// A correction that is in use.
 struct AppliedCorrection {
-  std::string origin;         ///< Of the calibration in use now.
-  double shift_mm = 0.0;      ///< As SelfCalibration has it.
-  double remaining_mm = 0.0;  ///< The same.
+  std::string origin;           ///< Of the calibration in use now.
+  bool corrects_sensor = true;  ///< What it is of: one at least.
+  bool follows_skin = false;
+  double shift_mm = 0.0;      ///< By which all of it moved the poses, as SelfCalibration has it.
+  double remaining_mm = 0.0;  ///< SelfCalibration::left_mm().
+  double skin_most_mm = 0.0;  ///< How far the skin lay off, where it is followed.
   double bias_mm = 0.0;       ///< What is not known of the depth then, for the error bound.
   std::string kept_in;        ///< File of the store. Empty: for this session alone.
 };
@@ -60,17 +63,23 @@ struct SelfCalibratorOptions {
   int niceness = 19;  ///< Of its thread: everything else goes first. 0..19.
 };
 
-/// The calibration that frames are tracked under, and how it is changed: LiveLoop's.
+/// The calibration that frames are tracked under and the skin that they are registered to, and how
+/// both are changed: LiveLoop's.
 struct CalibrationInUse {
   std::function<std::shared_ptr<const RgbdCalibration>()> get;
+  std::function<std::shared_ptr<const FixedSurface>()> skin;  ///< To which they are registered.
   /// @param sensor_bias_mm  As LiveLoop::use_calibration().
-  std::function<Result<void>(std::shared_ptr<const RgbdCalibration>, double sensor_bias_mm)> use;
+  std::function<Result<void>(std::shared_ptr<const RgbdCalibration>,
+                             std::shared_ptr<const FixedSurface> skin,
+                             double sensor_bias_mm)>
+      use;
   std::function<void(double sensor_bias_mm)> expect_bias;  ///< LiveLoop::expect_bias().
 };
 
-/// Finds the depth camera's systematic error while a body is tracked, in a thread of its own at the
-/// lowest priority, and removes it when it is told to (docs/self-calibration.md). What it looks at
-/// is what tracking sees: corrected, where a correction is in use, so it checks its own.
+/// Finds the depth camera's systematic error and how the skin has changed since the CT while a body
+/// is tracked, in a thread of its own at the lowest priority, and removes the one and follows the
+/// other when it is told to (docs/self-calibration.md). What it looks at is what tracking sees:
+/// corrected, where a correction is in use, so it checks its own.
 /// @threads Any.
 class SelfCalibrator {
  public:
@@ -89,8 +98,9 @@ class SelfCalibrator {
   /// LiveLoop::Observe. Never waits.
   void look(const TrackedFrame& tracked);
 
-  /// Uses what is proposed from the next frame on, and keeps it for the device; gathering begins
-  /// anew, to check it. That it could not be kept is said in the status.
+  /// Uses what is proposed from the next frame on; gathering begins anew, to check it. The sensor's
+  /// correction is kept for the device, and that it could not be is said in the status. The skin as
+  /// found is this session's: a body goes on changing.
   /// @errors kInvalidArgument: nothing is proposed, or something is in the way.
   [[nodiscard]] Result<void> apply();
   /// No to the proposal. The sensor is no better for that: the error bound stays as wide as while
@@ -108,17 +118,21 @@ class SelfCalibrator {
   struct View {
     std::shared_ptr<const RgbdFrame> frame;
     Eigen::Isometry3d ct_from_depth;
+    std::shared_ptr<const FixedSurface> fixed;
   };
   /// What apply() replaced.
   struct Replaced {
     std::shared_ptr<const RgbdCalibration> calibration;
+    std::shared_ptr<const FixedSurface> skin;
     AppliedCorrection by;
   };
 
   void run(std::stop_token stop);
   void add(const View& view);
   void estimate(std::stop_token stop);
-  void take(const SelfCalibration& found);
+  void take(const SelfCalibration& found, std::shared_ptr<const FixedSurface> skin);
+  [[nodiscard]] Result<std::shared_ptr<const FixedSurface>> followed_skin(
+      const SelfCalibration& found) const;
   void begin_anew();
   void tell_bias();
   void rest_or_begin(SelfCalibratorPhase phase);
@@ -146,10 +160,12 @@ class SelfCalibrator {
   SelfCalibratorStatus status_;
   ViewPace pace_;
   bool wants_anew_ = false;
+  std::shared_ptr<const FixedSurface> found_skin_;  ///< That is proposed to be followed.
   std::stop_source estimating_;
 
-  std::optional<ViewGatherer> gatherer_;  ///< Of the thread alone, as the next three.
+  std::optional<ViewGatherer> gatherer_;  ///< Of the thread alone, as the next four.
   std::shared_ptr<const RgbdCalibration> gathered_with_;
+  std::shared_ptr<const FixedSurface> gathered_on_;
   DepthLevels levels_;     ///< Of the pictures looked at; a correction hides them.
   int num_estimates_ = 0;  ///< Of these views and those that were dropped for them.
   std::jthread thread_;

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <thread>
 
@@ -37,6 +38,18 @@ std::shared_ptr<const Case> bumpy_case() {
   return kCase;
 }
 
+/// The body some time after its CT: its skin has moved in and out.
+std::shared_ptr<const TriangleMesh> changed_body() {
+  auto mesh = bumpy_case()->skin->mesh;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const Eigen::Vector3d at = mesh.vertices[i].cast<double>();
+    const double out_mm = 1.5 * std::sin(at.y() / 30.0) * std::cos(at.x() / 45.0);
+    mesh.vertices[i] += static_cast<float>(out_mm) * mesh.normals[i];
+  }
+  mesh.normals = vertex_normals(mesh);
+  return std::make_shared<const TriangleMesh>(std::move(mesh));
+}
+
 /// A simulated camera in slow motion, tracked frame by frame, as LiveLoop does it.
 class SelfCalibratorTest : public testing::Test {
  protected:
@@ -47,7 +60,9 @@ class SelfCalibratorTest : public testing::Test {
   }
   ~SelfCalibratorTest() override { std::filesystem::remove_all(store_.folder()); }
 
-  void look_through(double bias_mm, const std::string& device_id = "simulated-1") {
+  void look_through(double bias_mm,
+                    const std::string& device_id = "simulated-1",
+                    std::shared_ptr<const TriangleMesh> body_now = nullptr) {
     SimulatedCameraOptions options;
     options.seed = 1003;
     options.path = SimulatedPath::kSweep;
@@ -56,9 +71,10 @@ class SelfCalibratorTest : public testing::Test {
     options.has_noise = false;  // A smooth egg with noise would say too little of the pose.
     options.is_real_time = false;
     const auto body = bumpy_case();
-    camera_ = SimulatedCamera::create(
-                  std::shared_ptr<const TriangleMesh>(body->skin, &body->skin->mesh), options)
-                  .value();
+    if (!body_now) {
+      body_now = std::shared_ptr<const TriangleMesh>(body->skin, &body->skin->mesh);
+    }
+    camera_ = SimulatedCamera::create(body_now, options).value();
     tracker_ =
         std::make_unique<Tracker>(Tracker::create({},
                                                   body->skin,
@@ -69,10 +85,13 @@ class SelfCalibratorTest : public testing::Test {
     calibrator_ = std::make_unique<SelfCalibrator>(
         body,
         CalibrationInUse{[this] { return calibration(); },
-                         [this](auto calibration, double bias_mm) {
+                         [this] { return skin_; },
+                         [this](auto calibration, auto skin, double bias_mm) {
                            sensor_bias_mm_ = bias_mm;
                            in_use_ = std::move(calibration);
+                           skin_ = std::move(skin);
                            tracker_->use_camera(extractor(in_use_->depth));
+                           tracker_->use_skin(skin_, make_fine_registration(skin_, {}).value());
                            return Result<void>();
                          },
                          [this](double bias_mm) { sensor_bias_mm_ = bias_mm; }},
@@ -147,6 +166,7 @@ class SelfCalibratorTest : public testing::Test {
   std::unique_ptr<SimulatedCamera> camera_;
   std::unique_ptr<Tracker> tracker_;
   std::shared_ptr<const RgbdCalibration> in_use_;
+  std::shared_ptr<const FixedSurface> skin_ = bumpy_case()->skin;
   std::atomic<double> sensor_bias_mm_ = 0.0;
   std::string hindrance_;
   std::vector<Target> targets_;
@@ -160,7 +180,10 @@ TEST_F(SelfCalibratorTest, ProposesAppliesChecksItselfAndTakesBack) {
   const auto status = calibrator_->status();
   ASSERT_EQ(status.phase, SelfCalibratorPhase::kProposed)
       << to_string(status.found->verdict) << ": " << status.found->remaining_mm << " of "
-      << status.found->before_mm << " mm stay unknown";
+      << status.found->before_mm << " mm stay unknown; moved by " << status.found->shift_mm
+      << " mm, gain " << status.found->held_out.sensor.share << " at "
+      << status.found->held_out.sensor.significance << ", " << status.found->open_share
+      << " open";
   const auto proposed = ask("GET", "");
   EXPECT_EQ(proposed["phase"], "proposed");
   EXPECT_EQ(proposed["found"]["map"]["add_mm"].size(), 130U);
@@ -227,6 +250,35 @@ TEST_F(SelfCalibratorTest, ANoLeavesTheBoundAsWideAsTheSensorIsOff) {
   EXPECT_EQ(sensor_bias_mm_, waiting_bias_mm);
   EXPECT_EQ(ask("POST", "/again")["phase"], "gathering");
   EXPECT_EQ(sensor_bias_mm_, 0.0);
+}
+
+TEST_F(SelfCalibratorTest, FollowsAChangedSkinForTheSessionAndTakesItBack) {
+  look_through(0.0, "simulated-1", changed_body());
+  const double before_mm = track_until_it_says_something();
+  ASSERT_EQ(calibrator_->status().phase, SelfCalibratorPhase::kProposed)
+      << to_string(calibrator_->status().found->verdict);
+  const auto proposed = ask("GET", "")["found"];
+  EXPECT_EQ(proposed["verdict"], "skin-changed");
+  EXPECT_EQ(proposed["follows_skin"], true);
+  EXPECT_EQ(proposed["corrects_sensor"], false);
+  EXPECT_GT(proposed["skin_most_mm"], 0.5);
+  EXPECT_EQ(skin_, bumpy_case()->skin) << "nothing changes without a yes";
+  const double waiting_bias_mm = sensor_bias_mm_;
+  EXPECT_GT(waiting_bias_mm, 0.0);
+
+  const auto applied = ask("POST", "/apply")["applied"];
+  EXPECT_EQ(applied["follows_skin"], true);
+  EXPECT_EQ(applied["kept"], false) << "a changed body is not the device's";
+  EXPECT_TRUE(store_.list().empty());
+  EXPECT_EQ(*in_use_, camera_->calibration());
+  EXPECT_NE(skin_, bumpy_case()->skin);
+  EXPECT_THAT(skin_->change, HasSubstr("mm from the CT's"));
+  EXPECT_LT(sensor_bias_mm_, waiting_bias_mm);
+  EXPECT_LT(track_until_it_says_something(), before_mm);
+  EXPECT_EQ(calibrator_->status().phase, SelfCalibratorPhase::kResting) << "nothing more to follow";
+
+  EXPECT_EQ(ask("POST", "/undo")["applied"], nullptr);
+  EXPECT_EQ(skin_, bumpy_case()->skin);
 }
 
 TEST_F(SelfCalibratorTest, EndsAtOnceWhileItWorks) {

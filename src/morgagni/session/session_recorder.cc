@@ -7,6 +7,7 @@
 #include <spdlog/fmt/chrono.h>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/session/evidence_json.h"
 #include "morgagni/tracking/error_bound.h"
 
 namespace mor {
@@ -67,7 +68,11 @@ Result<SessionRecorder::State> SessionRecorder::start(ColorCoding color) {
     return make_error(ErrorCode::kIo, fmt::format("{}: {}", folder_.string(), status.message()));
   }
   const auto name = free_file_name(folder_);
-  MOR_TRY(auto recorder, McapRecorder::create(folder_ / name, {.color = color, .about = about_}));
+  // It stays the same while the recording goes on.
+  auto about = about_;
+  about.emplace_back("registered to", evidence::skin_words(skin_));
+  MOR_TRY(auto recorder,
+          McapRecorder::create(folder_ / name, {.color = color, .about = std::move(about)}));
   thread_ = std::make_shared<RecordingThread>(std::move(recorder));
   last_ = {.is_recording = true, .file = name, .progress = {}};
   return state_locked();
@@ -92,6 +97,7 @@ Result<SessionRecorder::State> SessionRecorder::stop() {
 
 void SessionRecorder::see(const TrackedFrame& tracked) {
   const std::lock_guard lock(mutex_);
+  skin_ = tracked.fixed;
   if (thread_) thread_->offer(tracked.frame, found_pose(tracked));
 }
 

@@ -47,6 +47,7 @@ class SessionRecorder {
   mutable std::mutex mutex_;  ///< Guards everything down to the end.
   std::shared_ptr<RecordingThread> thread_;
   State last_;
+  std::shared_ptr<const FixedSurface> skin_;  ///< Of the newest frame.
 };
 
 }  // namespace mor

@@ -96,6 +96,13 @@ Tracker::Tracker(const TrackingOptions& options,
       extractor_(std::move(extractor)),
       registration_(std::move(registration)) {}
 
+void Tracker::use_skin(std::shared_ptr<const FixedSurface> fixed,
+                       std::unique_ptr<FineRegistration> registration) {
+  fixed_ = std::move(fixed);
+  samples_ = SkinSamples(fixed_->mesh);
+  registration_ = std::move(registration);
+}
+
 Result<void> Tracker::expect_bias(double sensor_bias_mm) {
   TrackingOptions options = options_;
   options.sensor_bias_mm = sensor_bias_mm;
@@ -183,6 +190,7 @@ Result<TrackedFrame> Tracker::process(std::shared_ptr<const RgbdFrame> frame) {
   tracked.counts = counts_;
   tracked.judgement_ms = judgement_ms_;
   tracked.frame = std::move(frame);
+  tracked.fixed = fixed_;
   return tracked;
 }
 

@@ -58,7 +58,8 @@ struct TrackingCounts {
 
 /// A frame and what tracking made of it.
 struct TrackedFrame {
-  std::shared_ptr<const RgbdFrame> frame;  ///< Its depth is corrected (depth_corrected).
+  std::shared_ptr<const RgbdFrame> frame;     ///< Its depth is corrected (depth_corrected).
+  std::shared_ptr<const FixedSurface> fixed;  ///< The skin that it was registered to.
   TrackingState state = TrackingState::kWaiting;
   std::optional<Eigen::Isometry3d>
       ct_from_depth;          ///< To be shown with this frame. None: show nothing.
@@ -98,6 +99,11 @@ class Tracker {
   /// Goes on under another calibration, the pose as it was: it is off by millimetres only.
   /// @param extractor  Of the frames to come.
   void use_camera(BodySurfaceExtractor extractor) { extractor_ = std::move(extractor); }
+
+  /// Goes on against the skin as it is known to be now, the pose as it was.
+  /// @param fixed  As create(). @param registration  To it.
+  void use_skin(std::shared_ptr<const FixedSurface> fixed,
+                std::unique_ptr<FineRegistration> registration);
 
   /// What is not known of the camera's depth, for the bounds of the frames to come.
   /// @errors kInvalidArgument: outside the options' limits.

@@ -23,7 +23,10 @@ for (let i = 0; i < 130; ++i) {
   const y = Math.floor(i / 13) / 4.5 - 1;
   map.add_mm.push(2.4 * x - 1.1 * y + 1.5 * (x * x + y * y - 0.7));
 }
-const found = { verdict: 'error', shift_mm: 1.94, remaining_mm: 0.81, skin_mm: 0.12, views: 60, parts_better: 6, parts: 6, map };
+const found = {
+  verdict: 'error', corrects_sensor: true, follows_skin: true, now_mm: 1.94, shift_mm: 1.7,
+  remaining_mm: 0.81, skin_mm: 0.62, skin_most_mm: 1.83, views: 60, parts_better: 6, parts: 6, map,
+};
 const gathering = {
   phase: 'gathering', views: 23, wanted_views: 60, views_in_part: [0, 3, 0, 2, 23, 8, 0, 11, 0],
   missing: ['Move nearer to the body and farther away, by 30 cm in all.',
@@ -32,7 +35,8 @@ const gathering = {
 };
 const applied = {
   origin: 'self-calibration on the CT skin, built on [the camera\'s own], 2026-11-27T00:10:00Z',
-  shift_mm: 1.94, remaining_mm: 0.81, kept: true,
+  corrects_sensor: true, follows_skin: true, skin_most_mm: 1.83, shift_mm: 1.94, remaining_mm: 0.81,
+  kept: true,
 };
 
 let state = gathering;
@@ -75,6 +79,7 @@ async function proposes_quietly() {
   await shoot('proposed_elsewhere');
   await tab.click();
   await panel.getByText('the overlay is about 1.9 mm off').waitFor();
+  await panel.getByText('up to 1.8 mm from the CT’s').waitFor();
   await panel.getByText('all 6 of 6 checks').waitFor();
   const colors = await page.evaluate(() => {
     const canvas = document.querySelector('.sensor-map canvas');
@@ -89,7 +94,7 @@ async function proposes_quietly() {
 async function applies_and_takes_back() {
   await key('Apply').click();
   await panel.getByText('The correction is in use').waitFor();
-  await panel.getByText('Kept for this camera').waitFor();
+  await panel.getByText('kept for this camera').waitFor();
   assert.ok(!(await page.locator('#tab-sensor.marked').count()), 'the dot stays');
   await shoot('applied');
   await key('Undo the correction').click();

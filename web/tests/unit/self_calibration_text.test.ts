@@ -8,13 +8,17 @@ import {
 
 const map: CorrectionMap = { columns: 3, rows: 2, at_mm: 700, add_mm: [-2.2, 0, 1, 0, 0, 1] };
 const found: FoundError = {
-  verdict: 'error', shift_mm: 1.94, remaining_mm: 0.81, skin_mm: 0.1, views: 60, parts_better: 6, parts: 6, map,
+  verdict: 'error', corrects_sensor: true, follows_skin: false, now_mm: 1.94, shift_mm: 1.94,
+  remaining_mm: 0.81, skin_mm: 0.1, skin_most_mm: 0.2, views: 60, parts_better: 6, parts: 6, map,
 };
 const state: SelfCalibration = {
   phase: 'gathering', views: 12, wanted_views: 60, views_in_part: [0, 1, 0, 0, 9, 0, 0, 0, 0],
   missing: [], found: null, applied: null, device: 'freenect-1', problem: null,
 };
-const applied = { origin: 'self', shift_mm: 1.94, remaining_mm: 0.81, kept: true };
+const applied = {
+  origin: 'self', corrects_sensor: true, follows_skin: false, skin_most_mm: 0, shift_mm: 1.94,
+  remaining_mm: 0.81, kept: true,
+};
 
 describe('what the panel says', () => {
   it('asks for motion only while a body is tracked', () => {
@@ -33,24 +37,31 @@ describe('what the panel says', () => {
     expect(proposalLines(found)[2]).toContain('bound counts it in');
   });
 
-  it('says that a changed body stays as it is', () => {
+  it('says how far the skin has changed, and that the CT stays as it is', () => {
     expect(proposalLines(found)).toHaveLength(3);
-    expect(proposalLines({ ...found, skin_mm: 0.74 })[3]).toContain('about 0.7 mm. That stays');
+    const both = { ...found, follows_skin: true, skin_mm: 0.74, skin_most_mm: 1.83 };
+    expect(proposalLines(both)[0]).toContain('up to 1.8 mm from the CT’s (0.7 mm');
+    expect(proposalLines(both)[0]).toContain('exported stays the CT’s');
+    const words = (of: FoundError): string => headline({ ...state, phase: 'proposed', found: of }, 'tracking');
+    expect(words(both)).toContain('camera errs, and the body’s skin has changed');
+    expect(words({ ...both, corrects_sensor: false })).toMatch(/^The body’s skin has changed/);
   });
 
   it('says why it rests', () => {
     const rests = (verdict: FoundError['verdict']): string =>
       headline({ ...state, phase: 'resting', found: { ...found, verdict } }, 'tracking');
-    const all = (['no-error', 'skin-changed', 'too-little-motion'] as const).map(rests);
+    const all = (['no-error', 'other-body', 'too-little-motion'] as const).map(rests);
     expect(new Set(all).size).toBe(3);
     expect(rests('small')).toBe(rests('no-error'));
     expect(headline({ ...state, phase: 'resting' }, 'tracking')).toBe('Not looking.');
   });
 
   it('says for how long the correction holds', () => {
-    expect(appliedLine(applied, 'freenect-1')).toContain('Kept for this camera');
+    expect(appliedLine(applied, 'freenect-1')).toContain('kept for this camera');
     expect(appliedLine({ ...applied, kept: false }, null)).toContain('no serial number');
     expect(appliedLine({ ...applied, kept: false }, 'freenect-1')).toMatch(/alone\.$/);
+    const skin = { ...applied, corrects_sensor: false, follows_skin: true, skin_most_mm: 1.83, kept: false };
+    expect(appliedLine(skin, 'freenect-1')).toMatch(/up to 1\.8 mm from the CT’s, for this session\.$/);
   });
 });
 

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/session/routes/self_calibration_routes.h"
 
-#include <cmath>
-
 #include "morgagni/session/routes/api_json.h"
 
 namespace mor {
@@ -33,22 +31,30 @@ Json map_of(const SelfCalibration& found) {
 
 Json found_json(const SelfCalibration& found) {
   const auto& held = found.held_out;
+  const auto& gain = found.follows_skin && !found.corrects_sensor() ? held.skin : held.sensor;
   return {{"verdict", to_string(found.verdict)},
-          {"now_mm", std::hypot(found.shift_mm, found.remaining_mm)},
+          {"corrects_sensor", found.corrects_sensor()},
+          {"follows_skin", found.follows_skin},
+          {"now_mm", found.now_mm()},
           {"shift_mm", found.shift_mm},
-          {"remaining_mm", found.remaining_mm},
+          {"remaining_mm", found.proposes() ? found.left_mm() : found.remaining_mm},
           {"views", found.num_views},
-          {"parts_better", held.num_better},
+          {"parts_better", gain.num_better},
           {"parts", held.num_folds},
-          {"significance", held.significance},
-          {"held_out_mm", {held.as_it_is_mm, held.skin_mm, held.sensor_mm}},
+          {"significance", gain.significance},
+          {"held_out_mm", {held.as_it_is_mm, held.skin_mm, held.sensor_mm, held.both_mm}},
           {"skin_mm", found.skin_rms_mm},
+          {"skin_most_mm", found.skin_most_mm},
+          {"skin_shift_mm", found.skin_shift_mm},
           {"focal_ratio", {found.focal_x_ratio, found.focal_y_ratio}},
           {"map", map_of(found)}};
 }
 
 Json applied_json(const AppliedCorrection& applied) {
   return {{"origin", applied.origin},
+          {"corrects_sensor", applied.corrects_sensor},
+          {"follows_skin", applied.follows_skin},
+          {"skin_most_mm", applied.skin_most_mm},
           {"shift_mm", applied.shift_mm},
           {"remaining_mm", applied.remaining_mm},
           {"kept", !applied.kept_in.empty()},

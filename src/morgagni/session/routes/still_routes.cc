@@ -79,6 +79,7 @@ evidence::Json evidence_of(const Case& body, const Snapshot& snapshot, const Sti
   if (shown.camera_from_ct)
     json["ct_from_camera"] = evidence::to_json(shown.camera_from_ct->inverse());
   json["calibration"] = evidence::to_json(*shown.tracked.frame->calibration);
+  json["registered_to"] = evidence::skin_words(shown.tracked.fixed);
   json["view"] = evidence::Json::parse(to_json(shown.view));
   json["scale_depth_mm"] =
       words.scale_depth_mm ? evidence::Json(*words.scale_depth_mm) : evidence::Json(nullptr);
