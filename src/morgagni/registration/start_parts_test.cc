@@ -211,8 +211,9 @@ TEST(StartDecision, HoldsTheMeanOfSeveralPicturesToItsNoise) {
   SkinAgreement look = good_look();
   look.noise_mm = 1.5;
   look.noise_share = 0.5;
+  look.uneven_mm = 0.3;
   EXPECT_EQ(status_of(look), AutomaticStartStatus::kFound);
-  look.uneven_mm = 0.6;  // Much for what is left of 1.5 mm, little where the noise is 3 mm.
+  look.uneven_mm = 0.5;  // Much for what is left of 1.5 mm, little where the noise is 3 mm.
   EXPECT_EQ(status_of(look), AutomaticStartStatus::kNotFound);
   look.noise_mm = 3.0;
   EXPECT_EQ(status_of(look), AutomaticStartStatus::kFound);

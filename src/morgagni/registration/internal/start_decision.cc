@@ -19,15 +19,15 @@ constexpr double kMostFloating = 0.4;  ///< Of what agrees.
 constexpr double kLeastHold = 5e-5;    ///< Share of the skin's area times firmness.
 constexpr double kLeastPatches = 2.0;
 constexpr double kMostUnevenMm = 1.15;        ///< In a picture, whatever its sensor's errors.
-constexpr double kMostUnevenEvenedMm = 0.37;  ///< In the mean of several, without any noise,
-constexpr double kMostUnevenNoise = 0.45;     ///< and what a reading's noise adds to it.
+constexpr double kMostUnevenEvenedMm = 0.35;  ///< In the mean of several, without any noise,
+constexpr double kMostUnevenNoise = 0.42;     ///< and what a reading's noise adds to it.
 constexpr double kMostlyAgrees = 0.85;        ///< Of what nothing hides,
 constexpr double kHardlyAgrees = 0.35;        ///< or from here down.
 constexpr double kRunnerUpDoubt = 0.4;        ///< What a runner-up of equal evidence weighs.
 constexpr double kTriesDoubt = 0.05;          ///< Where it is not the first picture.
 constexpr double kMostDoubt = 0.75;           ///< All together.
-constexpr double kMostDoubtEvened = 0.8;  ///< In the mean of several: unevenness says more there.
-constexpr double kMostMirrored = 1.0;     ///< Where it fits as well, the CT may be mirrored.
+constexpr double kMostDoubtEvened = 0.7;      ///< In the mean of several: there were several tries.
+constexpr double kMostMirrored = 1.0;         ///< Where it fits as well, the CT may be mirrored.
 
 struct Doubts {
   double floating = 0.0;
