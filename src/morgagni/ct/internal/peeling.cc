@@ -146,7 +146,7 @@ void note_unknown(const SkinProfiles& profiles,
 }  // namespace
 
 Peeled peel(Volume& volume, const BitMask& cover) {
-  constexpr int kMostLayers = 3;
+  constexpr int kMostLayers = 2;
   constexpr double kNearMm = 3.0;
   const BitMask settled = dilated(cover, kNearMm, volume.spacing_mm);
   Peeled peeled = {false, BitMask(volume.size), BitMask(volume.size)};

@@ -16,7 +16,7 @@ struct Peeled {
 };
 
 /// Makes air of the thin layers that lie over a body and whatever is beside it (thin_layers()):
-/// cloth, the cover of a mattress, a headrest's shell. Layers over layers, at most three.
+/// cloth, the cover of a mattress, a headrest's shell. A layer over a layer too.
 /// @cost 0.3 s of CPU for a head, 1 s for 512x512x138.
 ///
 /// @param cover  What was taken off before: beneath it the skin is where uncovered() has put it.
