@@ -19,7 +19,7 @@ constexpr double kFacingMm = 5.0;
 constexpr double kFacingStepMm = 1.2;
 constexpr float kFacingAlike = 0.7F;  ///< Cosine.
 /// So many surface voxels of a cell are looked at.
-constexpr std::size_t kMostPerCell = 12;
+constexpr std::size_t kMostPerCell = 5;
 constexpr double kAirHu = -1000.0;
 
 /// The body goes on beyond the scan's ends, not beyond its sides.
