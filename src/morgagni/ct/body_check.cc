@@ -22,17 +22,16 @@ namespace {
 
 constexpr double kSmallMm = 1.25;
 
-/// As far apart as colours can be that are neither grey nor the outline's green.
-constexpr std::array<Rgb8, 10> kColors = {Rgb8{232, 72, 60},
-                                          Rgb8{255, 159, 28},
-                                          Rgb8{186, 104, 255},
-                                          Rgb8{64, 156, 255},
-                                          Rgb8{255, 105, 180},
-                                          Rgb8{240, 220, 70},
-                                          Rgb8{0, 200, 200},
-                                          Rgb8{176, 124, 88},
-                                          Rgb8{255, 190, 160},
-                                          Rgb8{140, 150, 255}};
+/// As far apart as colours can be that are neither grey nor the outline's green and orange.
+constexpr std::array<Rgb8, 9> kColors = {Rgb8{232, 72, 60},
+                                         Rgb8{186, 104, 255},
+                                         Rgb8{64, 156, 255},
+                                         Rgb8{255, 105, 180},
+                                         Rgb8{240, 220, 70},
+                                         Rgb8{0, 200, 200},
+                                         Rgb8{176, 124, 88},
+                                         Rgb8{255, 190, 160},
+                                         Rgb8{140, 150, 255}};
 
 std::vector<std::uint8_t> labels_of(const std::vector<internal::BitMask>& parts,
                                     const Volume& grid) {

@@ -6,13 +6,13 @@
 #include <array>
 #include <cmath>
 
+#include "morgagni/ct/internal/outline_colors.h"
+
 namespace mor::internal {
 namespace {
 
 constexpr int kPanePx = 360;
 constexpr int kGapPx = 8;
-constexpr Rgb8 kOutline = {60, 220, 90};
-constexpr Rgb8 kDoubtful = {255, 150, 30};
 constexpr Rgb8 kBackground = {24, 24, 28};
 
 Rgb8 shaded(Rgb8 color, std::uint8_t grey) {

@@ -7,14 +7,14 @@
 
 #include <tbb/parallel_for.h>
 
+#include "morgagni/ct/internal/outline_colors.h"
+
 namespace mor::internal {
 namespace {
 
 /// From black to white: what lies on the body is seen as well as what is in it.
 constexpr double kLowHu = -1000.0;
 constexpr double kHighHu = 400.0;
-constexpr Rgb8 kOutline = {60, 230, 100};
-constexpr Rgb8 kDoubtful = {255, 150, 30};
 
 /// A value between the eight voxels around a place; places outside are at the nearest voxel.
 template <class Value>
