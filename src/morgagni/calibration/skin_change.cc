@@ -25,13 +25,10 @@ TriangleMesh SkinChange::applied_to(TriangleMesh skin) const {
   return skin;
 }
 
-Result<std::shared_ptr<const FixedSurface>> skin_as_found(const TriangleMesh& skin,
-                                                          const SkinChange& change,
-                                                          std::string words) {
-  auto mesh = change.applied_to(skin);
-  MOR_TRY(auto field, DistanceField::build(mesh));
+Result<std::shared_ptr<const FixedSurface>> skin_as_found(TriangleMesh skin, std::string words) {
+  MOR_TRY(auto field, DistanceField::build(skin));
   return std::make_shared<const FixedSurface>(
-      FixedSurface{std::move(mesh), std::move(field), std::move(words)});
+      FixedSurface{std::move(skin), std::move(field), std::move(words)});
 }
 
 }  // namespace mor

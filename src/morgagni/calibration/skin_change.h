@@ -28,10 +28,9 @@ struct SkinChange {
 
 /// The skin as it is now, for registration. The CT's own stays as it is: what is exported of a body
 /// is the CT's.
-/// @param words  FixedSurface::change.
+/// @param skin  With a SkinChange applied. @param words  FixedSurface::change.
 /// @errors As DistanceField::build. @cost As that.
-[[nodiscard]] Result<std::shared_ptr<const FixedSurface>> skin_as_found(const TriangleMesh& skin,
-                                                                        const SkinChange& change,
+[[nodiscard]] Result<std::shared_ptr<const FixedSurface>> skin_as_found(TriangleMesh skin,
                                                                         std::string words);
 
 }  // namespace mor

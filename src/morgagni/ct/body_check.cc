@@ -88,9 +88,8 @@ Result<void> BodyCheck::find(const SkinOptions& options) {
     const auto& where = stands_out ? mask.found_standing_out : mask.found_cut;
     const internal::Components components(where);
     for (auto& what : internal::parts_of(where, mask.body, coarse_)) {
-      const Eigen::Vector3d voxel = (coarse_.ct_from_grid.inverse() * what.marks_mm.front())
-                                        .cwiseQuotient(coarse_.spacing_mm);
-      const Eigen::Vector3i at = voxel.array().round().cast<int>();
+      const Eigen::Vector3i at =
+          coarse_.nearest_voxel(coarse_.ct_from_grid.inverse() * what.marks_mm.front());
       const auto component = components.part_at({at.x(), at.y(), at.z()});
       found->voxels.push_back(
           components.select([&](std::size_t i) { return component && i == *component; }));
@@ -157,11 +156,8 @@ TriangleMesh BodyCheck::doubtful_skin() const {
   TriangleMesh mesh = skin();
   const Eigen::Isometry3d grid_from_ct = coarse_.ct_from_grid.inverse();
   const auto is_doubtful = [&](std::uint32_t vertex) {
-    const Eigen::Vector3i at = (grid_from_ct * mesh.vertices[vertex].cast<double>())
-                                   .cwiseQuotient(coarse_.spacing_mm)
-                                   .array()
-                                   .round()
-                                   .cast<int>();
+    const Eigen::Vector3i at =
+        coarse_.nearest_voxel(grid_from_ct * mesh.vertices[vertex].cast<double>());
     return found_->doubtful.where.test(at.x(), at.y(), at.z());
   };
   std::erase_if(mesh.triangles, [&](const Triangle& triangle) {

@@ -198,7 +198,7 @@ class SeedRun {
     const auto& found = run.found;
     auto skin = group_.body;
     if (found.follows_skin) {
-      MOR_TRY(skin, skin_as_found(skin->mesh, found.skin, "as found"));
+      MOR_TRY(skin, skin_as_found(found.skin.applied_to(skin->mesh), "as found"));
     }
     MOR_TRY(const auto on_skin, make_fine_registration(skin, {}));
     const int num_frames = group_.held ? static_cast<int>(group_.held->frames.size()) : kMostShown;
@@ -390,7 +390,7 @@ Result<RecordedLimit> recorded_limit(const std::shared_ptr<const FixedSurface>& 
                                      const RecordedFrames& recorded,
                                      const RecordedBias& bias,
                                      const BodySurfaceOptions& depth) {
-  MOR_TRY(const auto body_now, skin_as_found(body->mesh, bias.body, "by the truth"));
+  MOR_TRY(const auto body_now, skin_as_found(bias.body.applied_to(body->mesh), "by the truth"));
   const auto errors = [&](const std::shared_ptr<const FixedSurface>& skin,
                           bool is_corrected) -> Result<std::vector<double>> {
     MOR_TRY(const auto registration, make_fine_registration(skin, {}));

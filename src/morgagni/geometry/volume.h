@@ -31,6 +31,10 @@ struct Volume {
                static_cast<std::size_t>(size[0]) +
            static_cast<std::size_t>(x);
   }
+  /// @param grid_mm  Voxel times spacing. It may lie beside the volume, so does the voxel then.
+  [[nodiscard]] Eigen::Vector3i nearest_voxel(const Eigen::Vector3d& grid_mm) const {
+    return grid_mm.cwiseQuotient(spacing_mm).array().round().cast<int>();
+  }
 };
 
 }  // namespace mor

@@ -342,21 +342,20 @@ void SelfCalibrator::estimate(std::stop_token stop) {
 /// The skin to be registered to. It takes a second, so it is made before anybody asks for it.
 Result<std::shared_ptr<const FixedSurface>> SelfCalibrator::followed_skin(
     const SelfCalibration& found) const {
-  const auto now = found.skin.applied_to(gathered_on_->mesh);
-  return skin_as_found(gathered_on_->mesh,
-                       found.skin,
-                       fmt::format("as it was found to be now, up to {:.1f} mm from the CT's ({})",
-                                   most_apart_mm(now, body_->skin->mesh),
-                                   utc_text(std::chrono::system_clock::now())));
+  auto now = found.skin.applied_to(gathered_on_->mesh);
+  auto words = fmt::format("as it was found to be now, up to {:.1f} mm from the CT's ({})",
+                           most_apart_mm(now, body_->skin->mesh),
+                           utc_text(std::chrono::system_clock::now()));
+  return skin_as_found(std::move(now), std::move(words));
 }
 
 /// Proposes, goes on gathering where the motion told too little, or rests.
 void SelfCalibrator::take(const SelfCalibration& found, std::shared_ptr<const FixedSurface> skin) {
-  const bool is_error = found.proposes();
+  const bool is_proposal = found.proposes();
   const auto coverage = gatherer_->coverage();
   const bool lacks_motion =
       found.verdict == SelfCalibrationVerdict::kTooLittleMotion || !coverage.missing().empty();
-  const bool goes_on = !is_error && lacks_motion && num_estimates_ < kMostEstimates;
+  const bool goes_on = !is_proposal && lacks_motion && num_estimates_ < kMostEstimates;
   if (goes_on) {
     gatherer_->drop_oldest(gatherer_->views().size() / kDroppedShare);
   } else {
@@ -367,9 +366,9 @@ void SelfCalibrator::take(const SelfCalibration& found, std::shared_ptr<const Fi
   status_.found = found;
   found_skin_ = std::move(skin);
   tell_bias();
-  status_.phase = is_error  ? SelfCalibratorPhase::kProposed
-                  : goes_on ? SelfCalibratorPhase::kGathering
-                            : SelfCalibratorPhase::kResting;
+  status_.phase = is_proposal ? SelfCalibratorPhase::kProposed
+                  : goes_on   ? SelfCalibratorPhase::kGathering
+                              : SelfCalibratorPhase::kResting;
   status_.num_views = goes_on ? static_cast<int>(gatherer_->views().size()) : found.num_views;
   status_.coverage = goes_on ? gatherer_->coverage() : coverage;
   wants_views_ = goes_on;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -56,6 +57,25 @@ class BitMask {
   int words_per_row_ = 0;
   std::vector<Word> words_;
 };
+
+/// Calls `visit` with each voxel of a slice that is set.
+template <class Visit>
+void for_each_voxel_in_slice(const BitMask& mask, int z, const Visit& visit) {
+  for (int y = 0; y < mask.size()[1]; ++y) {
+    const auto row = mask.row(y, z);
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const int begin = static_cast<int>(i) * BitMask::kWordBits;
+      for (auto word = row[i]; word != 0; word &= word - 1)
+        visit(std::array{begin + std::countr_zero(word), y, z});
+    }
+  }
+}
+
+/// The same of all slices.
+template <class Visit>
+void for_each_voxel(const BitMask& mask, const Visit& visit) {
+  for (int z = 0; z < mask.size()[2]; ++z) for_each_voxel_in_slice(mask, z, visit);
+}
 
 /// Voxels with low_hu <= HU <= high_hu.
 [[nodiscard]] BitMask threshold(const Volume& volume, double low_hu, double high_hu);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <utility>
 
 #include "morgagni/ct/internal/components.h"
@@ -26,19 +25,6 @@ std::string place_of(const Eigen::Vector3d& offset_mm) {
   constexpr std::array<std::array<const char*, 2>, 3> kWords = {
       {{"right", "left"}, {"front", "back"}, {"lower end", "upper end"}}};
   return kWords[static_cast<std::size_t>(axis)][offset_mm[axis] > 0.0 ? 1 : 0];
-}
-
-template <class Visit>
-void for_each_voxel(const BitMask& mask, const Visit& visit) {
-  for (int z = 0; z < mask.size()[2]; ++z) {
-    for (int y = 0; y < mask.size()[1]; ++y) {
-      const auto row = mask.row(y, z);
-      for (std::size_t i = 0; i < row.size(); ++i)
-        for (auto word = row[i]; word != 0; word &= word - 1)
-          visit(
-              std::array{static_cast<int>(i) * BitMask::kWordBits + std::countr_zero(word), y, z});
-    }
-  }
 }
 
 /// The surface of the body, its area and middle.

@@ -17,7 +17,7 @@
 namespace mor::internal {
 namespace {
 
-constexpr double kEdgeHu = -300.0;
+constexpr double kEdgeHu = SkinProfile::kEdgeHu;
 constexpr double kAirHu = -1000.0;
 
 /// Everything that air from the sides does not reach.
@@ -36,19 +36,15 @@ class Carving {
 
   void run(Volume& result, BitMask& taken) const {
     const BitMask near = surroundings();
-    tbb::parallel_for(0, volume_.size[2], [&](int z) {
-      for (int y = 0; y < volume_.size[1]; ++y) {
-        const auto row = near.row(y, z);
-        if (std::all_of(row.begin(), row.end(), [](auto word) { return word == 0; })) continue;
-        for (int x = 0; x < volume_.size[0]; ++x) {
-          if (!near.test(x, y, z)) continue;
-          auto& hu = result.hu[volume_.index(x, y, z)];
-          const double most_hu = most_hu_at({x, y, z});
-          if (hu <= most_hu) continue;
-          if (hu >= kEdgeHu && most_hu < kEdgeHu) taken.set_run(y, z, x, x + 1);
-          hu = static_cast<std::int16_t>(std::lround(std::max(kAirHu, most_hu)));
-        }
-      }
+    tbb::parallel_for(0, volume_.size[2], [&](int slice) {
+      for_each_voxel_in_slice(near, slice, [&](const std::array<int, 3>& voxel) {
+        const auto& [x, y, z] = voxel;
+        auto& hu = result.hu[volume_.index(x, y, z)];
+        const double most_hu = most_hu_at({x, y, z});
+        if (hu <= most_hu) return;
+        if (hu >= kEdgeHu && most_hu < kEdgeHu) taken.set_run(y, z, x, x + 1);
+        hu = static_cast<std::int16_t>(std::lround(std::max(kAirHu, most_hu)));
+      });
     });
   }
 
@@ -120,12 +116,7 @@ void leave(const BitMask& settled,
            const Volume& volume,
            ThinLayers& layers) {
   for (std::size_t i = 0; i < layers.thick_mm.size(); ++i) {
-    const Eigen::Vector3i at = profiles.all()[i]
-                                   .place_mm.cast<double>()
-                                   .cwiseQuotient(volume.spacing_mm)
-                                   .array()
-                                   .round()
-                                   .cast<int>();
+    const Eigen::Vector3i at = volume.nearest_voxel(profiles.all()[i].place_mm.cast<double>());
     if (settled.test(at.x(), at.y(), at.z())) layers.thick_mm[i] = 0.0F;
   }
 }
@@ -151,7 +142,7 @@ Peeled peel(Volume& volume, const BitMask& cover) {
   const BitMask settled = dilated(cover, kNearMm, volume.spacing_mm);
   Peeled peeled = {false, BitMask(volume.size), BitMask(volume.size)};
   for (int layer = 0; layer < kMostLayers; ++layer) {
-    const SkinProfiles profiles(volume, solid_of(volume), kEdgeHu);
+    const SkinProfiles profiles(volume, solid_of(volume));
     ThinLayers layers = thin_layers(profiles);
     leave(settled, profiles, volume, layers);
     note_unknown(profiles, layers.unknown_mm, volume, peeled);

@@ -3,7 +3,6 @@
 #include "morgagni/ct/internal/skin_profiles.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include <tbb/parallel_for.h>
@@ -32,8 +31,7 @@ double hu_at(const Volume& volume, Eigen::Vector3d mm) {
 std::optional<Eigen::Vector3d> inwards_at(const Volume& volume,
                                           const BitMask& solid,
                                           const Eigen::Vector3d& place_mm) {
-  const Eigen::Vector3i middle =
-      place_mm.cwiseQuotient(volume.spacing_mm).array().round().cast<int>();
+  const Eigen::Vector3i middle = volume.nearest_voxel(place_mm);
   const Eigen::Vector3i reach = (kFacingMm / volume.spacing_mm.array()).cast<int>();
   const Eigen::Vector3i stride = (kFacingStepMm / volume.spacing_mm.array()).cast<int>().max(1);
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -56,18 +54,17 @@ std::optional<Eigen::Vector3d> inwards_at(const Volume& volume,
   return sum.normalized();
 }
 
-/// How far inwards of a surface voxel the threshold is crossed.
+/// How far inwards of a surface voxel the edge is crossed.
 std::optional<double> crossing_mm(const Volume& volume,
                                   const Eigen::Vector3d& place_mm,
-                                  const Eigen::Vector3d& inwards,
-                                  double threshold_hu) {
+                                  const Eigen::Vector3d& inwards) {
   constexpr double kSeekMm = 0.25;
   constexpr double kReachMm = 2.0;
   double before_hu = hu_at(volume, place_mm - kReachMm * inwards);
   for (double mm = kSeekMm - kReachMm; mm < kReachMm; mm += kSeekMm) {
     const double hu = hu_at(volume, place_mm + mm * inwards);
-    if (before_hu < threshold_hu && hu >= threshold_hu)
-      return mm - kSeekMm * (hu - threshold_hu) / (hu - before_hu);
+    if (before_hu < SkinProfile::kEdgeHu && hu >= SkinProfile::kEdgeHu)
+      return mm - kSeekMm * (hu - SkinProfile::kEdgeHu) / (hu - before_hu);
     before_hu = hu;
   }
   return std::nullopt;
@@ -75,8 +72,7 @@ std::optional<double> crossing_mm(const Volume& volume,
 
 SkinProfile profile_of(const std::vector<std::array<int, 3>>& voxels,
                        const Volume& volume,
-                       const BitMask& solid,
-                       double threshold_hu) {
+                       const BitMask& solid) {
   const auto place_of = [&](const std::array<int, 3>& voxel) -> Eigen::Vector3d {
     return Eigen::Vector3d(voxel[0], voxel[1], voxel[2]).cwiseProduct(volume.spacing_mm);
   };
@@ -92,7 +88,7 @@ SkinProfile profile_of(const std::vector<std::array<int, 3>>& voxels,
   int num = 0;
   for (std::size_t i = 0; i < voxels.size(); i += stride) {
     const Eigen::Vector3d place = place_of(voxels[i]);
-    const auto zero_mm = crossing_mm(volume, place, *inwards, threshold_hu);
+    const auto zero_mm = crossing_mm(volume, place, *inwards);
     if (!zero_mm) continue;
     ++num;
     for (int k = 0; k < SkinProfile::kNum; ++k) {
@@ -112,11 +108,11 @@ SkinProfile profile_of(const std::vector<std::array<int, 3>>& voxels,
 
 }  // namespace
 
-SkinProfiles::SkinProfiles(const Volume& volume, const BitMask& solid, double threshold_hu) {
+SkinProfiles::SkinProfiles(const Volume& volume, const BitMask& solid) {
   const auto cells = sorted_surface(volume, solid);
   profiles_.resize(cells.size());
   tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
-    profiles_[i] = profile_of(cells[i], volume, solid, threshold_hu);
+    profiles_[i] = profile_of(cells[i], volume, solid);
   });
   smooth();
 }
@@ -133,40 +129,32 @@ std::vector<SkinProfiles::Voxels> SkinProfiles::sorted_surface(const Volume& vol
   BitMask surface = solid;
   surface.subtract(eroded(solid, 1.0, Eigen::Vector3d::Ones()));
   std::vector<Voxels> cells;
-  for (int z = 0; z < volume.size[2]; ++z) {
-    for (int y = 0; y < volume.size[1]; ++y) {
-      const auto row = surface.row(y, z);
-      for (std::size_t i = 0; i < row.size(); ++i) {
-        for (auto word = row[i]; word != 0; word &= word - 1) {
-          const int x = static_cast<int>(i) * BitMask::kWordBits + std::countr_zero(word);
-          const Cell cell = {static_cast<int>(x * cells_per_voxel.x()),
-                             static_cast<int>(y * cells_per_voxel.y()),
-                             static_cast<int>(z * cells_per_voxel.z())};
-          auto& number =
-              at_[(static_cast<std::size_t>(cell[2]) * static_cast<std::size_t>(size_[1]) +
-                   static_cast<std::size_t>(cell[1])) *
-                      static_cast<std::size_t>(size_[0]) +
-                  static_cast<std::size_t>(cell[0])];
-          if (number < 0) {
-            number = static_cast<std::int32_t>(cells.size());
-            cells.emplace_back();
-            cells_.push_back(cell);
-          }
-          cells[static_cast<std::size_t>(number)].push_back({x, y, z});
-        }
-      }
+  for_each_voxel(surface, [&](const std::array<int, 3>& voxel) {
+    Cell cell{};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      cell[axis] = static_cast<int>(voxel[axis] * cells_per_voxel[static_cast<Eigen::Index>(axis)]);
+    auto& number = at_[place_of(cell)];
+    if (number < 0) {
+      number = static_cast<std::int32_t>(cells.size());
+      cells.emplace_back();
+      cells_.push_back(cell);
     }
-  }
+    cells[static_cast<std::size_t>(number)].push_back(voxel);
+  });
   return cells;
+}
+
+std::size_t SkinProfiles::place_of(const Cell& cell) const {
+  return (static_cast<std::size_t>(cell[2]) * static_cast<std::size_t>(size_[1]) +
+          static_cast<std::size_t>(cell[1])) *
+             static_cast<std::size_t>(size_[0]) +
+         static_cast<std::size_t>(cell[0]);
 }
 
 std::int32_t SkinProfiles::at(const Cell& cell) const {
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (cell[axis] < 0 || cell[axis] >= size_[axis]) return -1;
-  const auto number = at_[(static_cast<std::size_t>(cell[2]) * static_cast<std::size_t>(size_[1]) +
-                           static_cast<std::size_t>(cell[1])) *
-                              static_cast<std::size_t>(size_[0]) +
-                          static_cast<std::size_t>(cell[0])];
+  const auto number = at_[place_of(cell)];
   return number >= 0 && profiles_[static_cast<std::size_t>(number)].area_mm2 > 0.0F ? number : -1;
 }
 

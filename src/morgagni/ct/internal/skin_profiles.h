@@ -17,7 +17,8 @@ namespace mor::internal {
 /// What the CT shows on the way from the air into a body, at one place of its surface.
 struct SkinProfile {
   static constexpr double kStepMm = 0.5;
-  static constexpr int kZero = 8;  ///< Of `hu`: where the threshold is crossed; before it is air.
+  static constexpr double kEdgeHu = -300.0;  ///< Halfway from air to cloth or skin.
+  static constexpr int kZero = 8;  ///< Of `hu`: where the edge is crossed; before it is air.
   static constexpr int kNum = 33;
 
   Eigen::Vector3f place_mm = Eigen::Vector3f::Zero();  ///< On the grid: voxel times spacing.
@@ -34,7 +35,7 @@ struct SkinProfile {
 /// @cost About 0.1 s of CPU for a head.
 class SkinProfiles {
  public:
-  SkinProfiles(const Volume& volume, const BitMask& solid, double threshold_hu);
+  SkinProfiles(const Volume& volume, const BitMask& solid);
 
   [[nodiscard]] const std::vector<SkinProfile>& all() const { return profiles_; }
   /// Those of the cells around one.
@@ -50,6 +51,7 @@ class SkinProfiles {
   using Voxels = std::vector<std::array<int, 3>>;
 
   std::vector<Voxels> sorted_surface(const Volume& volume, const BitMask& solid);
+  [[nodiscard]] std::size_t place_of(const Cell& cell) const;
   [[nodiscard]] std::int32_t at(const Cell& cell) const;
   void smooth();
 

@@ -8,7 +8,7 @@
 namespace mor::internal {
 namespace {
 
-constexpr float kEdgeHu = -300.0F;
+constexpr auto kEdgeHu = static_cast<float>(SkinProfile::kEdgeHu);
 /// What is thicker is no layer.
 constexpr float kThinMm = 5.0F;
 /// Smaller pieces are noise, or belong to an ear.

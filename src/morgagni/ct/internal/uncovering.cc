@@ -110,20 +110,12 @@ class CoverHu {
   std::vector<Cell> cells_;
 };
 
+/// Slices in parallel. Calls visit(x, y, z).
 template <class Visit>
-void for_each_voxel(const BitMask& mask, const Visit& visit) {
-  const auto [size_x, size_y, size_z] = mask.size();
-  tbb::parallel_for(0, size_z, [&, size_x = size_x, size_y = size_y](int z) {
-    for (int y = 0; y < size_y; ++y) {
-      const auto row = mask.row(y, z);
-      for (std::size_t i = 0; i < row.size(); ++i) {
-        if (row[i] == 0) continue;
-        const int begin = static_cast<int>(i) * BitMask::kWordBits;
-        const int end = std::min(size_x, begin + BitMask::kWordBits);
-        for (int x = begin; x < end; ++x)
-          if ((row[i] >> (x - begin) & 1U) != 0) visit(x, y, z);
-      }
-    }
+void visit_all(const BitMask& mask, const Visit& visit) {
+  tbb::parallel_for(0, mask.size()[2], [&](int slice) {
+    for_each_voxel_in_slice(
+        mask, slice, [&](const std::array<int, 3>& voxel) { visit(voxel[0], voxel[1], voxel[2]); });
   });
 }
 
@@ -147,10 +139,10 @@ class Uncovering {
     edge_.subtract(eroded(cover_, kBesideVoxels, ones));
     smooth_around(edge_);
     Volume result = volume_;
-    for_each_voxel(cover_, [&](int x, int y, int z) {
+    visit_all(cover_, [&](int x, int y, int z) {
       result.hu[result.index(x, y, z)] = static_cast<std::int16_t>(kAirHu);
     });
-    for_each_voxel(edge_, [&](int x, int y, int z) {
+    visit_all(edge_, [&](int x, int y, int z) {
       const std::size_t i = result.index(x, y, z);
       if (const auto hu = bare_hu(x, y, z)) result.hu[i] = *hu;
     });
@@ -184,8 +176,8 @@ class Uncovering {
     const BitMask around =
         dilated(edge, kSkinMm + 0.5 * volume_.spacing_mm.maxCoeff(), volume_.spacing_mm);
     BitMask box = dilated(around, 1.8, Eigen::Vector3d::Ones());
-    for_each_voxel(
-        box, [&](int x, int y, int z) { smooth_[volume_.index(x, y, z)] = smoothed_hu(x, y, z); });
+    visit_all(box,
+              [&](int x, int y, int z) { smooth_[volume_.index(x, y, z)] = smoothed_hu(x, y, z); });
     known_ = std::move(box);
   }
 

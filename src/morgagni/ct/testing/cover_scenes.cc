@@ -359,11 +359,7 @@ Distances distances_at(const TriangleMesh& from, const TriangleMesh& to, const C
   const Eigen::Isometry3d grid_from_ct = scene.volume.ct_from_grid.inverse();
   std::vector<Eigen::Vector3f> places;
   for (const auto& vertex : from.vertices) {
-    const Eigen::Vector3i at = (grid_from_ct * vertex.cast<double>())
-                                   .cwiseQuotient(scene.volume.spacing_mm)
-                                   .array()
-                                   .round()
-                                   .cast<int>();
+    const Eigen::Vector3i at = scene.volume.nearest_voxel(grid_from_ct * vertex.cast<double>());
     if (near.test(at.x(), at.y(), at.z())) places.push_back(vertex);
   }
   if (places.empty()) return {};
