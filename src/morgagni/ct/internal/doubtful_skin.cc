@@ -15,7 +15,7 @@ namespace {
 constexpr double kJoinedMm = 2.2;
 /// Of 19 of 20 places (docs/prepare.md).
 constexpr double kUnderCoverMm = 1.5;
-constexpr double kUnderLayerMm = 2.5;
+constexpr double kUnderLayerMm = 3.0;
 constexpr double kLeastCm2 = 3.0;
 constexpr std::size_t kMostStretches = 20;
 
