@@ -44,14 +44,10 @@ using Counts = std::set<std::int64_t>;
 Counts nifti_counts(const std::string& packed) {
   const std::string bytes = inflated(packed);
   for (const bool is_swapped : {false, true}) {
-    const auto head_bytes = number_at<std::int32_t>(bytes, 0, is_swapped);
-    if (head_bytes != 348 && head_bytes != 540) continue;
+    if (number_at<std::int32_t>(bytes, 0, is_swapped) != 348) continue;
     std::int64_t count = 1;
-    for (std::size_t axis = 1; axis <= 3; ++axis) {
-      count *= head_bytes == 348
-                   ? std::int64_t{number_at<std::int16_t>(bytes, 40 + 2 * axis, is_swapped)}
-                   : number_at<std::int64_t>(bytes, 16 + 8 * axis, is_swapped);
-    }
+    for (std::size_t axis = 1; axis <= 3; ++axis)
+      count *= number_at<std::int16_t>(bytes, 40 + 2 * axis, is_swapped);
     return {count};
   }
   return {};

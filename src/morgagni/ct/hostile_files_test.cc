@@ -196,6 +196,7 @@ TEST_F(HostileFiles, Niftis) {
       {"empty.nii", "", "damaged"},
       {"short.nii", std::string(100, '\0'), "damaged"},
       {"head.nii", NiftiText{.head_bytes = 12345}.file(), "no NIfTI file"},
+      {"version_2.nii", NiftiText{.head_bytes = 540}.file(), "a NIfTI-2 file"},
       {"magic.nii", NiftiText{.magic = "bad"}.file(), "no NIfTI file"},
       {"cut.nii",
        NiftiText{.num_voxel_bytes = 20}.file(),

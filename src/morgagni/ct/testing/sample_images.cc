@@ -55,7 +55,6 @@ std::string deflated(const std::string& bytes, int window_bits) {
 /// How a NIfTI file is written.
 struct NiftiStyle {
   std::int16_t type = 4;
-  bool is_version_2 = false;
   bool big_endian = false;
   bool by_quaternion = false;  ///< Where it lies: else by three rows.
   float slope = 1.0F;
@@ -68,7 +67,7 @@ class NiftiWriter {
 
   std::string file(const std::string& stored) {
     bits_ = static_cast<std::int16_t>(stored.size() / kNumVoxels * 8);
-    style_.is_version_2 ? write_version_2() : write_version_1();
+    write_head();
     std::string flag(4, '\0');
     if (!style_.extension.empty()) flag[0] = 1;
     return bytes_ + flag + style_.extension + stored;
@@ -85,7 +84,7 @@ class NiftiWriter {
     for (std::size_t i = 0; i < n; ++i) put(at + i * sizeof(T), values[i]);
   }
 
-  void write_version_1() {
+  void write_head() {
     bytes_.assign(348, '\0');
     put(0, std::int32_t{348});
     put_all(40, std::array<std::int16_t, 8>{3, 4, 3, 2, 1, 1, 1, 1});
@@ -102,17 +101,6 @@ class NiftiWriter {
       put_all(280, std::array<float, 12>{1, 0, 0, -7, 0, 1, 0, 3, 0, 0, 2, 5});
     }
     std::memcpy(bytes_.data() + 344, "n+1", 4);
-  }
-
-  void write_version_2() {
-    bytes_.assign(540, '\0');
-    put(0, std::int32_t{540});
-    std::memcpy(bytes_.data() + 4, "n+2\0\r\n\032\n", 8);
-    put(12, style_.type);
-    put(14, bits_);
-    put_all(16, std::array<std::int64_t, 8>{3, 4, 3, 2, 1, 1, 1, 1});
-    put_all(104, std::array<double, 8>{1, 1, 1, 2, 0, 0, 0, 0});
-    put(168, static_cast<std::int64_t>(544 + style_.extension.size()));
   }
 
   NiftiStyle style_;
@@ -182,8 +170,6 @@ std::vector<SampleFile> nifti_samples() {
           nifti<std::int16_t>("big_endian", {.big_endian = true}),
           nifti<std::int16_t>("quaternion", {.by_quaternion = true}),
           nifti<std::int16_t>("slope", {.slope = 2.0F}),
-          nifti<std::int16_t>("version_2", {.is_version_2 = true}),
-          nifti<float>("version_2_float", {.type = 16, .is_version_2 = true}),
           nifti<std::int32_t>("int", {.type = 8}),
           nifti<float>("float", {.type = 16}),
           nifti<double>("double", {.type = 64}),
