@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/registration/internal/field_search.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -22,16 +23,20 @@ Eigen::Vector3d body_center() {
   return body()->mesh.bounds().center().cast<double>();
 }
 
+void add_noise(PointCloud& cloud) {
+  std::mt19937 random(4);
+  std::normal_distribution<float> noise(0.0F, 0.7F);
+  for (auto& point : cloud.points) point += noise(random) * point.normalized();
+}
+
 /// What the camera before the body sees, with a sensor's noise and with an error that is slow over
 /// the picture.
 PointCloud seen_with_slow_error(double slow_mm) {
   PointCloud cloud = seen_by_camera(body()->mesh, camera_before_body());
-  std::mt19937 random(4);
-  std::normal_distribution<float> noise(0.0F, 0.7F);
   for (auto& point : cloud.points) {
-    const auto wave = static_cast<float>(slow_mm) * std::sin(point.x() / 40.0F);
-    point += (noise(random) + wave) * point.normalized();
+    point += static_cast<float>(slow_mm) * std::sin(point.x() / 40.0F) * point.normalized();
   }
+  add_noise(cloud);
   return cloud;
 }
 
@@ -56,6 +61,46 @@ TEST(FieldAlignment, CountsNoPointsAsNearThatLieOnSkinFacingAway) {
   EXPECT_GT(fit.share_of_near(), 0.9);
 }
 
+/// The body before one end of a table that is most of what is seen.
+PointCloud seen_at_end_of_table() {
+  PointCloud cloud = seen_by_camera(body()->mesh, camera_before_body());
+  float farthest_mm = 0.0F;
+  for (const auto& point : cloud.points) farthest_mm = std::max(farthest_mm, point.z());
+  for (float x_mm = -150.0F; x_mm < 900.0F; x_mm += 6.0F) {
+    for (float y_mm = -200.0F; y_mm < 200.0F; y_mm += 6.0F) {
+      if (x_mm < 150.0F && std::abs(y_mm) < 170.0F) continue;
+      cloud.points.emplace_back(x_mm, y_mm, farthest_mm + 20.0F);
+      cloud.normals.emplace_back(0.0F, 0.0F, -1.0F);
+    }
+  }
+  add_noise(cloud);
+  return cloud;
+}
+
+double error_at_center_mm(const Eigen::Isometry3d& fixed_from_moving) {
+  const Eigen::Isometry3d truth = camera_before_body();
+  return (fixed_from_moving.inverse() * body_center() - truth.inverse() * body_center()).norm();
+}
+
+TEST(FieldSearch, FindsABodyFromStartsThatAreTurnedAboutTheTableItLiesOn) {
+  const Eigen::Isometry3d truth = camera_before_body();
+  const PointCloud moving = seen_at_end_of_table();
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const auto& point : moving.points) middle += point.cast<double>();
+  middle = truth * (middle / static_cast<double>(moving.size()));
+  const auto registration = *make_fine_registration(body(), {});
+  double farthest_start_mm = 0.0;
+  for (int i = 0; i < 12; ++i) {
+    const Eigen::Vector3d axis(std::cos(0.52 * i), std::sin(0.52 * i), i % 3 - 1.0);
+    const Eigen::Isometry3d start =
+        motion_about(middle, axis, 0.35, Eigen::Vector3d::Zero()) * truth;
+    farthest_start_mm = std::max(farthest_start_mm, error_at_center_mm(start));
+    const auto result = *registration->align(moving, start, StartQuality::kRough);
+    EXPECT_LT(error_at_center_mm(result.fixed_from_moving), 2.0) << i;
+  }
+  EXPECT_GT(farthest_start_mm, 120.0);
+}
+
 TEST(FieldSearch, IsSoonContentUnderASensorsSlowError) {
   const Eigen::Isometry3d truth = camera_before_body();
   const PointCloud moving = seen_with_slow_error(3.5);
@@ -63,9 +108,7 @@ TEST(FieldSearch, IsSoonContentUnderASensorsSlowError) {
       motion_about(body_center(), {0.3, 1.0, 0.2}, 0.15, {10.0, -8.0, 12.0}) * truth;
   const auto registration = *make_fine_registration(body(), {});
   const auto result = *registration->align(moving, start, StartQuality::kRough);
-  EXPECT_LT(
-      (result.fixed_from_moving.inverse() * body_center() - truth.inverse() * body_center()).norm(),
-      3.0);
+  EXPECT_LT(error_at_center_mm(result.fixed_from_moving), 3.0);
   // Both approaches and one refinement; a search around the start takes some hundred steps.
   EXPECT_LT(result.num_iterations, 60);
 }

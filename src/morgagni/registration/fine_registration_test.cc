@@ -5,10 +5,12 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "morgagni/core/statistics.h"
 #include "morgagni/geometry/rigid.h"
 #include "morgagni/registration/testing/test_body.h"
 
@@ -288,6 +290,26 @@ TEST(FieldRegistration, LooksUnderAThinClothThatLiesOnMostOfTheSkin) {
   for (const auto quality : {StartQuality::kRough, StartQuality::kTracked}) {
     const auto result = *registration->align(moving, truth, quality);
     EXPECT_LT(error_mm(result.fixed_from_moving, truth), 2.0);
+  }
+}
+
+TEST(FieldRegistration, StaysWhereATrackedStartIsRightThoughAClothTouchesMostOfTheSkin) {
+  const auto registration = make(RegistrationMethod::kField);
+  const Eigen::Isometry3d truth = internal::camera_before_body();
+  PointCloud moving = internal::seen_by_camera(body()->mesh, truth);
+  std::vector<double> slopes;
+  for (const auto& point : moving.points) slopes.push_back(point.x() / point.z());
+  const double edge = quantile(slopes, 0.75);
+  for (std::size_t i = 0; i < moving.size(); ++i) {
+    auto& point = moving.points[i];
+    if (slopes[i] >= edge) continue;
+    const float folds = std::sin(point.y() / 15.0F) * std::cos(point.x() / 20.0F);
+    point -= (10.0F + 5.0F * folds) * point.normalized();
+  }
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    const auto result =
+        *registration->align(with_noise(moving, 0.7F, seed), truth, StartQuality::kTracked);
+    EXPECT_LT(error_mm(result.fixed_from_moving, truth), 1.5) << seed;
   }
 }
 

@@ -101,11 +101,17 @@ const SensorPoints& FieldAlignment::points_of(PointShare share) const {
 }
 
 NormalEquations FieldAlignment::look(const Stage& stage) {
-  return linearizer_.linearize(stage.fine ? field_.fine() : field_.coarse(),
-                               points_of(stage.points),
-                               pose_,
-                               pivot(),
-                               stage.rule);
+  const SensorPoints& points = points_of(stage.points);
+  const FieldLevel& level = stage.fine ? field_.fine() : field_.coarse();
+  const NormalEquations equations =
+      linearizer_.linearize(level, points, pose_, pivot(), stage.rule);
+  last_fit_ = {};
+  if (points.sum_weights > 0.0) {
+    last_fit_ = {.near_fraction = equations.sum_near_weights / points.sum_weights,
+                 .below_fraction = equations.num_below / static_cast<double>(points.size),
+                 .pair_fraction = equations.sum_weights / points.sum_weights};
+  }
+  return equations;
 }
 
 Vector6d FieldAlignment::start_information() const {
@@ -161,12 +167,8 @@ bool FieldAlignment::run_all(std::span<const Stage> stages, int max_iterations) 
 }
 
 PoseFit FieldAlignment::fit(const Stage& stage) {
-  const NormalEquations equations = look(stage);
-  const SensorPoints& points = points_of(stage.points);
-  if (!(points.sum_weights > 0.0)) return {};
-  return {.near_fraction = equations.sum_near_weights / points.sum_weights,
-          .below_fraction = equations.num_below / static_cast<double>(points.size),
-          .pair_fraction = equations.sum_weights / points.sum_weights};
+  static_cast<void>(look(stage));
+  return last_fit_;
 }
 
 /// Rotations are measured by how they move the points, so that all directions are in mm.

@@ -44,6 +44,9 @@ struct PoseFit {
   [[nodiscard]] double share_of_near() const {
     return near_fraction > 0.0 ? pair_fraction / near_fraction : 0.0;
   }
+  /// For choosing among poses. Much clutter that lies about where skin should be is no match for
+  /// less skin that readings follow, so what is near counts by how well it follows.
+  [[nodiscard]] double evidence() const { return score() * share_of_near(); }
 };
 
 /// The working state of one registration on a field: a pose that Gauss-Newton steps improve, held
@@ -69,6 +72,8 @@ class FieldAlignment {
   [[nodiscard]] bool run_all(std::span<const Stage> stages, int max_iterations);
   /// Looks at the pose as a stage would, without a step.
   [[nodiscard]] PoseFit fit(const Stage& stage);
+  /// What the last look of all told: after a stage how its last step found the pose.
+  [[nodiscard]] const PoseFit& last_fit() const { return last_fit_; }
   /// The result at the pose as it is, by all points.
   [[nodiscard]] RegistrationResult finish(const PairingRule& rule);
 
@@ -90,6 +95,7 @@ class FieldAlignment {
   Eigen::Vector3d center_ = Eigen::Vector3d::Zero();  ///< Of the moving points.
   double radius_mm_ = 1.0;                            ///< Root mean square distance from it.
   Linearizer linearizer_;
+  PoseFit last_fit_;
   bool converged_ = false;
   int num_iterations_ = 0;
 };

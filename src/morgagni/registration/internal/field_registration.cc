@@ -22,9 +22,26 @@ PoseSpread spread_of(StartQuality start) {
   return {.shift_mm = 10.0, .rotation_rad = 5.0 * kRadPerDeg};
 }
 
+/// What the refinement's last step leaves of the weight of the points near the skin. Of 940 tracked
+/// frames under clutter it was 0.60 and more at all but 8 right poses, less at all 22 wrong ones.
+constexpr double kTrackedShare = 0.7;
+
+/// Clutter that touches the skin may draw the approach away from a start that was right already: in
+/// doubt the start is refined as it is too, and what readings follow better is kept.
 bool follow(FieldAlignment& alignment, int max_iterations) {
-  return alignment.run_all(Stages(kApproach).subspan(kTrackedEntry), max_iterations) &&
-         alignment.run_all(kRefinement, max_iterations);
+  const Eigen::Isometry3d start = alignment.pose();
+  const bool found = alignment.run_all(Stages(kApproach).subspan(kTrackedEntry), max_iterations) &&
+                     alignment.run_all(kRefinement, max_iterations);
+  if (found && alignment.last_fit().share_of_near() >= kTrackedShare) return true;
+  const Eigen::Isometry3d there = alignment.pose();
+  const PoseFit approached = found ? alignment.fit(kCloseLook) : PoseFit{};
+  alignment.set_pose(start);
+  if (alignment.run_all(kRefinement, max_iterations) &&
+      (!found || alignment.fit(kCloseLook).evidence() > approached.evidence())) {
+    return true;
+  }
+  alignment.set_pose(found ? there : start);
+  return found;
 }
 
 }  // namespace

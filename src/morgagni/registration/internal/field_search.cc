@@ -41,7 +41,7 @@ constexpr double kNearTurnRad = 10.0 * std::numbers::pi / 180.0;
 constexpr Stage kFirstLook = {{12.0F, 40.0F, 0.5F}, false, PointShare::kFew};
 constexpr float kAboutOnSkinMm = 20.0F;
 /// An approached pose with less than this share of the best score is not worth refining.
-constexpr double kHopeless = 0.7;
+constexpr double kHopeless = 0.4;
 /// Poses that move the points by less against each other are one.
 constexpr double kSameMm = 4.0;
 
@@ -58,6 +58,12 @@ Vector6d spread_evenly(int number) {
   return place;
 }
 
+Eigen::Vector3d middle_of(const PointCloud& cloud) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3f& point : cloud.points) sum += point.cast<double>();
+  return sum / static_cast<double>(std::max<std::size_t>(1, cloud.size()));
+}
+
 Eigen::Isometry3d moved(const Eigen::Isometry3d& pose,
                         const Eigen::Vector3d& turn_rad,
                         const Eigen::Vector3d& about_mm,
@@ -71,7 +77,7 @@ Eigen::Isometry3d moved(const Eigen::Isometry3d& pose,
 
 /// For choosing among several.
 double FieldSearch::Candidate::score() const {
-  return fit.score() * (1.0 - 0.5 * view.absent_fraction());
+  return fit.evidence() * (1.0 - 0.5 * view.absent_fraction());
 }
 
 bool FieldSearch::Candidate::is_clear(const Clearness& least) const {
@@ -91,7 +97,11 @@ FieldSearch::FieldSearch(FieldAlignment& alignment,
                          const SkinProbe& probe,
                          const PointCloud& moving,
                          int max_iterations)
-    : alignment_(alignment), probe_(probe), map_(moving), max_iterations_(max_iterations) {}
+    : alignment_(alignment),
+      probe_(probe),
+      moving_(moving),
+      map_(moving),
+      max_iterations_(max_iterations) {}
 
 bool FieldSearch::run() {
   const Eigen::Isometry3d start = alignment_.pose();
@@ -137,10 +147,10 @@ Eigen::Isometry3d FieldSearch::place_near(const Eigen::Isometry3d& pose, int num
 std::vector<Eigen::Isometry3d> FieldSearch::places_around(const Eigen::Isometry3d& start,
                                                           int first,
                                                           int count) {
-  alignment_.set_pose(start);
-  // A start may be turned about the body or about all that was cut out of the picture.
+  // A start may be turned about the body or about all that was cut out of the picture, most of
+  // which may be a table: there 20 degrees are more than 100 mm at the body.
   const Eigen::Vector3d skin_mm = probe_.facing_center(start);
-  const Eigen::Vector3d points_mm = alignment_.pivot();
+  const Eigen::Vector3d points_mm = start * middle_of(moving_);
   std::vector<Eigen::Isometry3d> places;
   std::vector<double> scores;
   for (int i = first; i < first + count; ++i) {

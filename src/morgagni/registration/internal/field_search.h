@@ -16,7 +16,7 @@ namespace mor::internal {
 /// pose so far, 84 at most. The best by evidence is kept. The same input, the same tries.
 class FieldSearch {
  public:
-  /// @param alignment  At the start. @param moving  The points that it aligns.
+  /// @param alignment  At the start. @param moving  The points that it aligns; they outlive this.
   FieldSearch(FieldAlignment& alignment,
               const SkinProbe& probe,
               const PointCloud& moving,
@@ -69,6 +69,7 @@ class FieldSearch {
 
   FieldAlignment& alignment_;
   const SkinProbe& probe_;
+  const PointCloud& moving_;
   RangeMap map_;
   int max_iterations_;
   std::optional<Candidate> best_;
