@@ -39,7 +39,7 @@ itk::ImageIOBase::Pointer make_image_io(ImageFormat format) {
 Result<void> check_kind(const itk::ImageIOBase& io, const std::string& name) {
   const unsigned num_dimensions = io.GetNumberOfDimensions();
   for (unsigned axis = 3; axis < num_dimensions; ++axis) {
-    if (io.GetDimensions(axis) > 1) {
+    if (io.GetDimensions(axis) != 1) {
       return make_error(ErrorCode::kUnsupported,
                         name + " has " + std::to_string(num_dimensions) +
                             " dimensions, a CT has 3: extract one volume of it first");

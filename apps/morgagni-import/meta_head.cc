@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <set>
 #include <string_view>
 #include <system_error>
 
@@ -20,6 +21,7 @@ struct MetaHead {
   struct Line {
     std::string key;
     std::vector<std::string> words;
+    std::string value;  ///< All of them, as they stand: a file's name may have blanks.
   };
   std::vector<Line> lines;
   std::uintmax_t num_bytes = 0;
@@ -28,6 +30,14 @@ struct MetaHead {
   [[nodiscard]] std::string first_word(std::string_view key) const {
     for (const auto& line : lines)
       if (line.key == key) return line.words.front();
+    return {};
+  }
+  /// ElementDataFile, the last line of a whole head.
+  [[nodiscard]] std::string data_file() const { return is_whole ? lines.back().value : ""; }
+  [[nodiscard]] std::string repeated_key() const {
+    std::set<std::string> keys;
+    for (const auto& line : lines)
+      if (!keys.insert(line.key).second) return line.key;
     return {};
   }
   [[nodiscard]] std::vector<std::int64_t> sides() const {
@@ -39,6 +49,13 @@ struct MetaHead {
     return sides;
   }
 };
+
+std::string trimmed(const std::string& text) {
+  constexpr const char* kBlanks = " \t\r";
+  const auto begin = text.find_first_not_of(kBlanks);
+  if (begin == std::string::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin);
+}
 
 MetaHead read_meta_head(const fs::path& path) {
   constexpr std::size_t kMostBytes = 1U << 16U;
@@ -52,13 +69,14 @@ MetaHead read_meta_head(const fs::path& path) {
     const auto end = std::min(text.find('\n', start), text.size());
     const std::string line = text.substr(start, end - start);
     start = end + 1;
+    if (line.find('\0') != std::string::npos) return head;  // MetaIO reads a key up to there.
     if (words_of(line).empty()) continue;
     const auto separator = line.find_first_of("=:");
     const auto key = words_of(line.substr(0, separator));
     const auto words =
         words_of(separator == std::string::npos ? std::string() : line.substr(separator + 1));
     if (key.size() != 1 || words.empty() || line.size() > kLongestLine) return head;
-    head.lines.push_back({key.front(), words});
+    head.lines.push_back({key.front(), words, trimmed(line.substr(separator + 1))});
     head.num_bytes = std::min(start, text.size());
     head.is_whole = key.front() == "ElementDataFile";
     if (head.is_whole) return head;
@@ -110,6 +128,9 @@ std::size_t num_numbers(const std::string& key, std::size_t num_dimensions) {
 Result<void> check_meta_head(const fs::path& path) {
   const std::string name = path.filename().string();
   const MetaHead head = read_meta_head(path);
+  // Of two the readers here and MetaIO could each believe another one.
+  if (const auto key = head.repeated_key(); !key.empty())
+    return make_error(ErrorCode::kIo, name + " is damaged: its head says " + key + " twice");
   const long num_dimensions = std::strtol(head.first_word("NDims").c_str(), nullptr, 10);
   for (const auto& line : head.lines) {
     if (line.key == "NDims" && (num_dimensions < 1 || num_dimensions > 4))
@@ -122,12 +143,18 @@ Result<void> check_meta_head(const fs::path& path) {
                             std::to_string(needed) + " finite number(s)");
     }
   }
-  if (head.is_whole && num_dimensions >= 3) return check_sides(name, head.sides());
-  if (head.is_whole) return {};
-  return make_error(ErrorCode::kIo,
-                    name +
-                        " is damaged or not what its name says: its head has no line that says "
-                        "where the voxels are (ElementDataFile)");
+  if (!head.is_whole) {
+    return make_error(ErrorCode::kIo,
+                      name +
+                          " is damaged or not what its name says: its head has no line that says "
+                          "where the voxels are (ElementDataFile)");
+  }
+  // MetaIO writes past the end of its memory over some patterns, and divides by zero over others.
+  if (head.data_file().starts_with("LIST") || head.data_file().find('%') != std::string::npos) {
+    return make_error(ErrorCode::kUnsupported,
+                      name + " keeps its voxels in several files: save it as one .mha");
+  }
+  return num_dimensions >= 3 ? check_sides(name, head.sides()) : Result<void>();
 }
 
 Result<void> check_meta_length(const fs::path& path, std::uintmax_t num_bytes) {
@@ -136,8 +163,7 @@ Result<void> check_meta_length(const fs::path& path, std::uintmax_t num_bytes) {
     const std::string packed = head.first_word("CompressedDataSize");
     num_bytes = std::strtoull(packed.c_str(), nullptr, 10);
   }
-  const std::string data_file = head.first_word("ElementDataFile");
-  if (data_file == "LIST" || data_file.find('%') != std::string::npos) return {};
+  const std::string data_file = head.data_file();
   std::error_code failure;
   std::uintmax_t left = 0;
   if (data_file == "LOCAL") {
