@@ -59,7 +59,8 @@ std::string trimmed(const std::string& text) {
 
 MetaHead read_meta_head(const fs::path& path) {
   constexpr std::size_t kMostBytes = 1U << 16U;
-  constexpr std::size_t kLongestLine = 499;  // Behind it MetaIO never ends.
+  constexpr std::size_t kLongestLine = 499;  // Behind it MetaIO never ends,
+  constexpr std::size_t kLongestKey = 254;   // and behind this it aborts.
   std::string text(kMostBytes, '\0');
   std::ifstream file(path, std::ios::binary);
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
@@ -76,6 +77,7 @@ MetaHead read_meta_head(const fs::path& path) {
     const auto words =
         words_of(separator == std::string::npos ? std::string() : line.substr(separator + 1));
     if (key.size() != 1 || words.empty() || line.size() > kLongestLine) return head;
+    if (key.front().size() > kLongestKey) return head;
     head.lines.push_back({key.front(), words, trimmed(line.substr(separator + 1))});
     head.num_bytes = std::min(start, text.size());
     head.is_whole = key.front() == "ElementDataFile";
@@ -159,7 +161,8 @@ Result<void> check_meta_head(const fs::path& path) {
 
 Result<void> check_meta_length(const fs::path& path, std::uintmax_t num_bytes) {
   const MetaHead head = read_meta_head(path);
-  if (lower_case(head.first_word("CompressedData")) == "true") {
+  // MetaIO looks at the first letter alone.
+  if (head.first_word("CompressedData").find_first_of("Tt1") == 0) {
     const std::string packed = head.first_word("CompressedDataSize");
     num_bytes = std::strtoull(packed.c_str(), nullptr, 10);
   }
