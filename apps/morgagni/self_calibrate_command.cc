@@ -152,8 +152,9 @@ void print(const SelfCalibration& found) {
       held.sensor.num_better,
       held.num_folds);
   fmt::print(
-      "focal length {:+.2f} / {:+.2f} %, centre {:+.1f} / {:+.1f} px, skin changed by "
+      "{}; focal length {:+.2f} / {:+.2f} %, centre {:+.1f} / {:+.1f} px, skin changed by "
       "{:.2f} mm; {} of {} combinations are not seen and stay as they are\n",
+      found.sees_table ? "the table under the body told along" : "no table was seen",
       100.0 * found.focal_x_ratio,
       100.0 * found.focal_y_ratio,
       found.center_px.x(),

@@ -39,20 +39,20 @@ struct Shown {
   double changed_skin_mm = 0.0;
 };
 constexpr Shown kShown[] = {
-    {", no bias", "path=sweep"},
-    {", no bias, hand", "path=sweep,clutter=hand"},
-    {", no bias, all clutter", "path=sweep,clutter=all"},
-    {", no bias, small motion", "path=orbit"},
-    {", no bias, skin changed 1 mm", "path=sweep", AddedBias::kNone, 0.0, 1.0},
-    {", bias 3 mm", "path=sweep,bias=3"},
-    {", bias 5 mm", "path=sweep,bias=5"},
-    {", bias 3 mm, views all around", "path=views,bias=3"},
-    {", bias 3 mm, small motion", "path=orbit,bias=3"},
-    {", bias 3 mm, hand", "path=sweep,bias=3,clutter=hand"},
-    {", fixed bias 3 mm", "path=sweep", AddedBias::kFixed, 3.0},
-    {", square bias 3 mm", "path=sweep", AddedBias::kSquare, 3.0},
-    {", bias 3 mm, focal 1 %", "path=sweep,bias=3,focal=1"},
-    {", bias 3 mm, skin changed 1 mm", "path=sweep,bias=3", AddedBias::kNone, 0.0, 1.0},
+    {", no bias, bare", "table=1,path=sweep"},
+    {", no bias, hand", "table=1,path=sweep,clutter=hand"},
+    {", no bias, all clutter", "table=1,path=sweep,clutter=all"},
+    {", no bias, small motion", "table=1,path=orbit"},
+    {", no bias, skin changed 1 mm", "table=1,path=sweep", AddedBias::kNone, 0.0, 1.0},
+    {", bias 3 mm, bare", "table=1,path=sweep,bias=3"},
+    {", bias 5 mm", "table=1,path=sweep,bias=5"},
+    {", bias 3 mm, views all around", "table=1,path=views,bias=3"},
+    {", bias 3 mm, small motion", "table=1,path=orbit,bias=3"},
+    {", bias 3 mm, hand", "table=1,path=sweep,bias=3,clutter=hand"},
+    {", fixed bias 3 mm", "table=1,path=sweep", AddedBias::kFixed, 3.0},
+    {", square bias 3 mm", "table=1,path=sweep", AddedBias::kSquare, 3.0},
+    {", bias 3 mm, focal 1 %", "table=1,path=sweep,bias=3,focal=1"},
+    {", bias 3 mm, skin changed 1 mm", "table=1,path=sweep,bias=3", AddedBias::kNone, 0.0, 1.0},
 };
 
 /// The recorded sensor over the same body in motion; the error at simulated frames and at the
@@ -85,7 +85,7 @@ void add_recorded(const Case& body,
       summarize(limit.as_it_is_mm).mean,
       summarize(limit.without_error_mm).mean,
       summarize(limit.with_body_mm).mean);
-  SelfCalibrationGroup group{body.name + ", recorded bias", body.skin, "path=sweep"};
+  SelfCalibrationGroup group{body.name + ", recorded bias", body.skin, "table=1,path=sweep"};
   group.recorded = bias;
   groups.push_back(group);
   group.name += ", at the recorded frames";

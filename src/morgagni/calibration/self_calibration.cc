@@ -14,9 +14,7 @@
 
 #include "morgagni/calibration/internal/bundle.h"
 #include "morgagni/calibration/internal/evidence.h"
-#include "morgagni/calibration/internal/readings_scatter.h"
-#include "morgagni/calibration/internal/sensor_model.h"
-#include "morgagni/calibration/internal/skin_model.h"
+#include "morgagni/calibration/internal/view_models.h"
 #include "morgagni/core/statistics.h"
 
 namespace mor {
@@ -24,23 +22,18 @@ namespace {
 
 using internal::Bundle;
 using internal::BundleModel;
+using internal::BundleStart;
 using internal::BundleState;
 using internal::SensorModel;
-using internal::SensorReading;
 using internal::SkinModel;
 
 constexpr std::size_t kLeastViews = 20;
-constexpr double kSkinSpacingPerReach = 0.9;
 /// Sensors' errors are this much of what SensorPrior allows, before anything was seen; known as
 /// well as from so many values.
 constexpr double kUsualSizeRatio = 0.7;
 constexpr double kUsualSizeValues = 6.0;
 /// Expectations are drawn anew so often.
 constexpr int kPasses = 3;
-
-Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& covariance) {
-  return covariance.llt().solve(Eigen::MatrixXd::Identity(covariance.rows(), covariance.cols()));
-}
 
 /// One model's fit to all views, with the expectations drawn where it ended.
 struct ModelFit {
@@ -56,40 +49,34 @@ class Estimation {
              const std::vector<SensedSkin>& views,
              const SelfCalibrationOptions& options,
              std::stop_token stop)
-      : mesh_(skin),
+      : views_(views),
         depth_(depth),
-        views_(views),
         options_(options),
         stop_(std::move(stop)),
-        sensor_(depth, options),
-        skin_(skin.bounds().cast<double>(), kSkinSpacingPerReach * options.skin_reach_mm),
-        pivot_mm_(skin.bounds().center().cast<double>()) {
-    for (const auto& view : views) start_.ct_from_depth.push_back(view.ct_from_depth);
-    start_.values = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(sensor_.size()));
-    find_seen_skin();
-    start_.values = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(sensor_.size() + skin_.size()));
-    set_prior();
-  }
+        models_(skin, depth, views, options),
+        sensor_(models_.sensor()),
+        skin_(models_.skin()) {}
 
   [[nodiscard]] SelfCalibration run() {
     SelfCalibration result;
     result.num_views = static_cast<int>(views_.size());
     result.num_parameters = static_cast<int>(sensor_.size());
+    result.sees_table = models_.has_table();
     if (views_.size() < 5) return result;
-    ModelFit both{BundleModel::kSensorAndSkin, start_, {}};
+    ModelFit both{BundleModel::kSensorAndSkin, models_.start(), {}};
     fit(both, kPasses);
     if (stop_.stop_requested()) return result;
-    const auto scatter = scatter_of(both);
+    const auto scatter = models_.scatter_of(both.views, both.state);
     result.noise_ratio = scatter.ratio;
     result.correlated_readings = scatter.correlated;
-    weight_factor_ = weight_factor_for(scatter, both);
+    models_.weigh_by(scatter, both.views);
     fit(both, 1);
     if (stop_.stop_requested()) return result;
     describe(both.state, result);
     add_uncertainty(information_of(both), both.state, result);
     add_skin(both, result);
     if (views_.size() < kLeastViews) return result;
-    ModelFit skin{BundleModel::kSkin, start_, {}};
+    ModelFit skin{BundleModel::kSkin, models_.start(), {}};
     fit(skin, kPasses);
     result.held_out = hold_out(skin, both);
     result.verdict = internal::judge_sensor(result, options_);
@@ -101,78 +88,14 @@ class Estimation {
   }
 
  private:
-  void find_seen_skin() {
-    for (const auto& view : expected_views(start_)) {
-      for (const auto& reading : view.readings) {
-        if (!(reading.weight > 0.0F)) continue;
-        skin_.touch(reading.place_mm);
-        seen_.push_back(reading.place_mm);
-      }
-    }
-    skin_.settle();
-  }
-
-  /// The camera as these values have it.
-  [[nodiscard]] PinholeCamera camera_of(const BundleState& state) const {
-    const double* pinhole = state.values.data() + 2 * sensor_.num_nodes();
-    PinholeCamera camera = depth_;
-    camera.focal_x_px *= 1.0 + pinhole[0];
-    camera.focal_y_px *= 1.0 + pinhole[1];
-    camera.center_x_px += pinhole[2] * depth_.focal_x_px;
-    camera.center_y_px += pinhole[3] * depth_.focal_y_px;
-    return camera;
-  }
-
-  [[nodiscard]] std::vector<Bundle::View> expected_views(const BundleState& state) const {
-    const PinholeCamera camera = camera_of(state);
-    std::vector<Bundle::View> result(views_.size());
-    for (std::size_t i = 0; i < views_.size(); ++i) {
-      const Eigen::Isometry3d& pose = state.ct_from_depth[i];
-      const auto picture = expected_depth(mesh_, camera, pose);
-      result[i].readings.reserve(views_[i].readings.size());
-      for (const auto& read : views_[i].readings) {
-        auto reading = sensor_.reading(read);
-        const auto expected = expected_reading(read, picture, camera);
-        if (expected.z_mm > 0.0F) set_expected(expected, camera, pose, read, reading);
-        result[i].readings.push_back(reading);
-      }
-    }
-    return result;
-  }
-
-  void set_expected(const ExpectedReading& expected,
-                    const PinholeCamera& camera,
-                    const Eigen::Isometry3d& pose,
-                    const SkinReading& read,
-                    SensorReading& reading) const {
-    const Eigen::Vector2d ray = camera.ray(read.pixel.cast<double>());
-    const Eigen::Vector3d direction(ray.x(), ray.y(), 1.0);
-    const Eigen::Vector3d normal = expected.normal.cast<double>();
-    const double cosine = -normal.dot(direction.normalized());
-    reading.place_mm = pose * (static_cast<double>(expected.z_mm) * direction);
-    reading.normal = pose.linear() * normal;
-    reading.weight = static_cast<float>(
-        weight_factor_ * SensorModel::weight(static_cast<double>(expected.z_mm), cosine));
-    reading.on_skin_model = skin_.weights(reading.place_mm, reading.skin_index, reading.skin_share);
-  }
-
   /// Draws the expectations where the state is and fits to them, so many times.
   void fit(ModelFit& fitted, int num_passes) const {
     for (int pass = 0; pass < num_passes && !stop_.stop_requested(); ++pass) {
-      fitted.views = expected_views(fitted.state);
-      const Bundle bundle(sensor_, skin_.size(), fitted.views, prior_precision_, pivot_mm_);
-      bundle.fit(all_views(), fitted.model, fitted.state);
+      fitted.views = models_.expected(fitted.state);
+      const Bundle bundle = models_.bundle(fitted.views);
+      const auto start = pass == 0 ? BundleStart::kAnew : BundleStart::kNear;
+      bundle.fit(all_views(), fitted.model, start, fitted.state);
     }
-  }
-
-  void set_prior() {
-    const auto sensor = static_cast<Eigen::Index>(sensor_.size());
-    const auto skin = static_cast<Eigen::Index>(skin_.size());
-    sensor_prior_ = sensor_.prior_covariance();
-    prior_precision_ = Eigen::MatrixXd::Zero(sensor + skin, sensor + skin);
-    prior_precision_.topLeftCorner(sensor, sensor) = inverse_of(sensor_prior_);
-    prior_precision_.bottomRightCorner(skin, skin) =
-        inverse_of(skin_.prior_covariance(options_.skin_mm, options_.skin_reach_mm));
   }
 
   [[nodiscard]] std::vector<std::size_t> all_views() const {
@@ -198,7 +121,7 @@ class Estimation {
     const double* pinhole = values + 2 * nodes;
     result.focal_x_ratio = pinhole[0];
     result.focal_y_ratio = pinhole[1];
-    result.depth = camera_of(state);
+    result.depth = models_.camera_of(state);
     result.center_px = {result.depth.center_x_px - depth_.center_x_px,
                         result.depth.center_y_px - depth_.center_y_px};
   }
@@ -222,9 +145,10 @@ class Estimation {
   /// The most likely skin between and beyond the control points, given their values.
   [[nodiscard]] SkinChange skin_change(const BundleState& state) const {
     const auto size = static_cast<Eigen::Index>(skin_.size());
+    const auto sensor = static_cast<Eigen::Index>(sensor_.size());
     const Eigen::VectorXd weights = options_.skin_mm * options_.skin_mm *
-                                    prior_precision_.bottomRightCorner(size, size) *
-                                    state.values.tail(size);
+                                    models_.prior_precision().block(sensor, sensor, size, size) *
+                                    state.values.segment(sensor, size);
     return {skin_.places_mm(), {weights.begin(), weights.end()}, options_.skin_reach_mm};
   }
 
@@ -233,7 +157,7 @@ class Estimation {
     std::array<std::uint16_t, SkinModel::kNumTouched> index{};
     std::array<float, SkinModel::kNumTouched> share{};
     std::vector<double> changes_mm;
-    for (const auto& place : seen_) {
+    for (const auto& place : models_.seen_mm()) {
       if (!skin_.weights(place, index, share)) continue;
       double value = 0.0;
       for (std::size_t i = 0; i < index.size(); ++i) {
@@ -246,8 +170,7 @@ class Estimation {
   }
 
   [[nodiscard]] internal::BundleInformation information_of(const ModelFit& fitted) const {
-    return Bundle(sensor_, skin_.size(), fitted.views, prior_precision_, pivot_mm_)
-        .information(all_views(), fitted.state);
+    return models_.bundle(fitted.views).information(all_views(), fitted.state);
   }
 
   /// The skin as a fit has it, how far following it moves the poses found without it, and how much
@@ -262,9 +185,11 @@ class Estimation {
     const auto size = static_cast<Eigen::Index>(skin_.size());
     const auto information = information_of(fitted);
     const auto form = displacement_form(information.pivot_mm);
-    const Eigen::MatrixXd posterior = inverse_of(information.matrix.bottomRightCorner(size, size) +
-                                                 prior_precision_.bottomRightCorner(size, size));
-    const Eigen::VectorXd values = fitted.state.values.tail(size);
+    const Eigen::MatrixXd precision = information.matrix + models_.prior_precision();
+    const Eigen::Index rest = precision.rows() - sensor;
+    const Eigen::MatrixXd posterior =
+        internal::inverse_of(precision.bottomRightCorner(rest, rest)).topLeftCorner(size, size);
+    const Eigen::VectorXd values = fitted.state.values.segment(sensor, size);
     double shift_sq = 0.0;
     double remaining_sq = 0.0;
     for (const auto& follows : information.pose_from_values) {
@@ -283,10 +208,10 @@ class Estimation {
   [[nodiscard]] Eigen::Matrix<double, 6, 6> displacement_form(const Eigen::Vector3d& pivot) const {
     Eigen::Matrix<double, 6, 6> form = Eigen::Matrix<double, 6, 6>::Zero();
     constexpr std::size_t kPlaces = 500;
-    const std::size_t step = std::max<std::size_t>(1, seen_.size() / kPlaces);
+    const std::size_t step = std::max<std::size_t>(1, models_.seen_mm().size() / kPlaces);
     std::size_t count = 0;
-    for (std::size_t i = 0; i < seen_.size(); i += step, ++count) {
-      const Eigen::Vector3d arm = seen_[i] - pivot;
+    for (std::size_t i = 0; i < models_.seen_mm().size(); i += step, ++count) {
+      const Eigen::Vector3d arm = models_.seen_mm()[i] - pivot;
       Eigen::Matrix<double, 3, 6> jacobian;
       jacobian << 0.0, arm.z(), -arm.y(), 1.0, 0.0, 0.0,  //
           -arm.z(), 0.0, arm.x(), 0.0, 1.0, 0.0,          //
@@ -300,7 +225,8 @@ class Estimation {
                        const BundleState& state,
                        SelfCalibration& result) const {
     const auto sensor = static_cast<Eigen::Index>(sensor_.size());
-    const Eigen::MatrixXd posterior = inverse_of(information.matrix + prior_precision_);
+    const Eigen::MatrixXd posterior =
+        internal::inverse_of(information.matrix + models_.prior_precision());
     // How far the sensor's part of the values moves the poses found without it.
     const auto form = displacement_form(information.pivot_mm);
     double shift_sq = 0.0;
@@ -313,7 +239,7 @@ class Estimation {
       shift_sq += move.dot(form * move);
       const Eigen::MatrixXd left = posterior.topLeftCorner(sensor, sensor) * of_sensor.transpose();
       remaining_sq += (form * (of_sensor * left)).trace();
-      const Eigen::MatrixXd at_first = sensor_prior_ * of_sensor.transpose();
+      const Eigen::MatrixXd at_first = models_.sensor_prior() * of_sensor.transpose();
       before_sq += (form * (of_sensor * at_first)).trace();
     }
     const auto count =
@@ -338,7 +264,7 @@ class Estimation {
 
   [[nodiscard]] Seen what_was_seen(const Eigen::MatrixXd& posterior,
                                    const Eigen::VectorXd& values) const {
-    const Eigen::LLT<Eigen::MatrixXd> prior(sensor_prior_);
+    const Eigen::LLT<Eigen::MatrixXd> prior(models_.sensor_prior());
     Eigen::MatrixXd white = prior.matrixL().solve(posterior);
     white = prior.matrixL().solve(white.transpose()).eval();
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(white);
@@ -374,8 +300,8 @@ class Estimation {
   }
 
   [[nodiscard]] HeldOutFit hold_out(const ModelFit& skin, const ModelFit& both) const {
-    ModelFit as_it_is{BundleModel::kPoses, start_, {}};
-    ModelFit sensor{BundleModel::kSensor, start_, {}};
+    ModelFit as_it_is{BundleModel::kPoses, models_.start(), {}};
+    ModelFit sensor{BundleModel::kSensor, models_.start(), {}};
     fit(as_it_is, kPasses);
     fit(sensor, kPasses);
     const auto left_as_it_is = left_by(as_it_is);
@@ -399,10 +325,9 @@ class Estimation {
   [[nodiscard]] internal::ViewFit judge_views(const ModelFit& fitted,
                                               const std::vector<std::size_t>& train,
                                               const std::vector<std::size_t>& test) const {
-    const Bundle bundle(sensor_, skin_.size(), fitted.views, prior_precision_, pivot_mm_);
+    const Bundle bundle = models_.bundle(fitted.views);
     BundleState state = fitted.state;
-    state.values.setZero();
-    bundle.fit(train, fitted.model, state);
+    bundle.fit(train, fitted.model, BundleStart::kNear, state);
     internal::ViewFit sum;
     for (const std::size_t view : test) {
       bundle.fit_pose(view, state);
@@ -413,64 +338,13 @@ class Estimation {
     return sum;
   }
 
-  /// How the residuals of a fit scatter against what single readings would.
-  struct Scatter {
-    double ratio = 1.0;       ///< Standard deviation over that of single readings.
-    double correlated = 1.0;  ///< Readings that err together count as one: so many.
-  };
-
-  [[nodiscard]] Scatter scatter_of(const ModelFit& fitted) const {
-    const Bundle bundle(sensor_, skin_.size(), fitted.views, prior_precision_, pivot_mm_);
-    const int columns = depth_.width_px / SkinReading::kBlockPx + 1;
-    const int rows = depth_.height_px / SkinReading::kBlockPx + 1;
-    std::vector<Image<float>> pictures;
-    std::vector<double> sizes;
-    for (std::size_t i = 0; i < views_.size(); ++i) {
-      Image<float> picture(columns, rows, internal::kNoResidual);
-      const auto residuals = bundle.residuals(i, fitted.state);
-      for (std::size_t k = 0; k < residuals.size(); ++k) {
-        if (!(fitted.views[i].readings[k].weight > 0.0F)) continue;
-        picture(views_[i].readings[k].column, views_[i].readings[k].row) = residuals[k];
-        sizes.push_back(std::abs(static_cast<double>(residuals[k])));
-      }
-      pictures.push_back(std::move(picture));
-    }
-    Scatter scatter;
-    if (sizes.size() < 1000) return scatter;
-    constexpr double kSdPerMedian = 1.4826;
-    scatter.ratio = kSdPerMedian * quantile(std::move(sizes), 0.5);
-    scatter.correlated =
-        internal::correlated_readings(pictures, static_cast<float>(3.0 * scatter.ratio));
-    return scatter;
-  }
-
-  /// Readings count as their scatter says, and all of them together as one that errs by the least
-  /// systematic error: no number of readings averages that out.
-  [[nodiscard]] double weight_factor_for(const Scatter& scatter, const ModelFit& fitted) const {
-    double sum_weights = 0.0;
-    for (const auto& view : fitted.views) {
-      for (const auto& reading : view.readings) {
-        sum_weights += static_cast<double>(reading.weight);
-      }
-    }
-    const double by_scatter = scatter.ratio * scatter.ratio * scatter.correlated;
-    const double least_sq_mm2 = options_.systematic_mm * options_.systematic_mm;
-    return 1.0 / (by_scatter + least_sq_mm2 * sum_weights);
-  }
-
-  const TriangleMesh& mesh_;
-  const PinholeCamera& depth_;
   const std::vector<SensedSkin>& views_;
+  const PinholeCamera& depth_;
   const SelfCalibrationOptions& options_;
   std::stop_token stop_;  ///< Asked for between steps; what comes of them then is thrown away.
-  SensorModel sensor_;
-  SkinModel skin_;
-  Eigen::Vector3d pivot_mm_;
-  std::vector<Eigen::Vector3d> seen_;
-  BundleState start_;
-  double weight_factor_ = 1.0;
-  Eigen::MatrixXd sensor_prior_;
-  Eigen::MatrixXd prior_precision_;
+  internal::ViewModels models_;
+  const SensorModel& sensor_;  ///< Of them.
+  const SkinModel& skin_;
 };
 
 }  // namespace

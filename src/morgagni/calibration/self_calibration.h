@@ -106,6 +106,7 @@ struct SelfCalibration {
   double skin_most_mm = 0.0;                            ///< The same, the 99th percentile.
   double skin_shift_mm = 0.0;                           ///< As shift_mm, of following the skin.
   double skin_remaining_mm = 0.0;                       ///< As remaining_mm, of the skin's change.
+  bool sees_table = false;  ///< A table under the body told along with it.
   int num_parameters = 0;
   int num_open = 0;  ///< Combinations of them of which the views say less than the prior.
   int num_views = 0;

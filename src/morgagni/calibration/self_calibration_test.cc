@@ -57,10 +57,37 @@ double spread_mm(const std::vector<double>& values_mm) {
   return std::sqrt(squares / count - (sum / count) * (sum / count));
 }
 
+constexpr double kTableMm = 155.0;  ///< Behind the body's middle.
+
+double level_table(double /*x*/, double /*y*/) {
+  return 0.0;
+}
+
+/// Up to 2 mm up and down, as no table is that was made for it.
+double uneven_table(double x, double y) {
+  return 1.2 * std::sin(x / 90.0 + 0.4) + 0.8 * std::cos(y / 130.0);
+}
+
+double depth_of_table(double (*height_mm)(double x, double y),
+                      const Eigen::Isometry3d& body_from_depth,
+                      int x,
+                      int y) {
+  const Eigen::Vector2d ray = kCamera.ray(Eigen::Vector2d(x, y));
+  const Eigen::Vector3d eye = body_from_depth.translation();
+  const Eigen::Vector3d direction =
+      body_from_depth.linear() * Eigen::Vector3d(ray.x(), ray.y(), 1.0);
+  const double level_mm = (kTableMm - eye.z()) / direction.z();
+  const Eigen::Vector3d at = eye + level_mm * direction;
+  return level_mm - height_mm(at.x(), at.y()) / direction.z();
+}
+
 /// Views of a sensor that strays sideways as expected_depth() has it, with noise of 1 mm, at poses
 /// off by up to 1 mm and 0.2 degrees.
-/// @param share  Of bias_mm().
-std::vector<SensedSkin> views_of(const TriangleMesh& body, double share) {
+/// @param share  Of bias_mm(). @param table_mm  Height of a table over (x, y) that lies under the
+/// body, in front of which the camera sees the body. Null: none.
+std::vector<SensedSkin> views_of(const TriangleMesh& body,
+                                 double share,
+                                 double (*table_mm)(double x, double y) = nullptr) {
   std::mt19937_64 random(7);
   const auto uniform = [&random] {
     return static_cast<double>(random() >> 11U) * 0x1.0p-53 * 2.0 - 1.0;
@@ -72,7 +99,8 @@ std::vector<SensedSkin> views_of(const TriangleMesh& body, double share) {
     Image<std::uint16_t> depth_mm(kCamera.width_px, kCamera.height_px, 0);
     for (int y = 0; y < kCamera.height_px; ++y) {
       for (int x = 0; x < kCamera.width_px; ++x) {
-        const double z_mm = static_cast<double>(drawn(x, y));
+        double z_mm = static_cast<double>(drawn(x, y));
+        if (z_mm <= 0.0 && table_mm != nullptr) z_mm = depth_of_table(table_mm, truth, x, y);
         if (z_mm <= 0.0) continue;
         const double noise_mm = uniform() + uniform() + uniform();
         depth_mm(x, y) =
@@ -115,6 +143,43 @@ TEST(SelfCalibration, LeavesAnErrorThatHardlyMovesTheBody) {
   EXPECT_EQ(to_string(found->verdict), "small");
   EXPECT_GT(found->held_out.sensor.significance, 3.0);
   EXPECT_LT(found->shift_mm, 1.0);
+}
+
+/// What is left of bias_mm() where the body never was, less the constant.
+double left_at_rim_mm(const SelfCalibration& found, double share) {
+  std::vector<double> left_mm;
+  for (int x = 20; x < 640; x += 30) {
+    for (const int y : {30, 450}) {
+      left_mm.push_back(share * bias_mm(x, y, 800.0) +
+                        found.correction.add_mm(Eigen::Vector2d(x, y), 640, 480, 800.0));
+    }
+  }
+  return spread_mm(left_mm);
+}
+
+TEST(SelfCalibration, ATableUnderTheBodyTellsMoreThanTheBodyAlone) {
+  const auto body = bumpy_body();
+  const auto alone = estimate_self_calibration(body, kCamera, views_of(body, 1.0));
+  const auto with_table =
+      estimate_self_calibration(body, kCamera, views_of(body, 1.0, uneven_table));
+  ASSERT_TRUE(alone && with_table);
+  EXPECT_FALSE(alone->sees_table);
+  EXPECT_TRUE(with_table->sees_table);
+  EXPECT_EQ(to_string(with_table->verdict), "error");
+  EXPECT_GT(with_table->held_out.sensor.share, 2.0 * alone->held_out.sensor.share);
+  EXPECT_LT(with_table->open_share, alone->open_share);
+  EXPECT_LT(left_at_rim_mm(*with_table, 1.0), 0.5 * left_at_rim_mm(*alone, 1.0));
+}
+
+TEST(SelfCalibration, ATablesUnevennessIsNoErrorOfTheSensor) {
+  const auto body = bumpy_body();
+  for (const auto table : {level_table, uneven_table}) {
+    const auto found = estimate_self_calibration(body, kCamera, views_of(body, 0.0, table));
+    ASSERT_TRUE(found) << found.error().message;
+    EXPECT_TRUE(found->sees_table);
+    EXPECT_FALSE(found->proposes()) << found->held_out.sensor.share;
+    EXPECT_LT(found->shift_mm, 1.0);
+  }
 }
 
 TEST(SelfCalibration, LeavesASensorWithoutErrorAsItIs) {

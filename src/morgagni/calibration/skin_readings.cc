@@ -20,8 +20,11 @@ constexpr int kLeastReadings = 12;
 constexpr float kOnSkinMm = 10.0F;
 /// A block over which the skin's depth differs by more lies at an edge.
 constexpr float kMostReliefMm = 14.0F;
+/// What lies beside the body is read no farther off.
+constexpr float kFarthestBesideMm = 1500.0F;
+constexpr int kBesideStepPx = 4 * kBlockPx;
 
-/// How a Kinect's readings stray sideways: 0.8 px (Nguyen et al. 2012), in whole pixels.
+/// A Gaussian of kReadingBlurPx, in whole pixels.
 constexpr std::array<float, 5> kBlur = {0.030F, 0.236F, 0.468F, 0.236F, 0.030F};
 
 /// Blurs rows or columns; where the neighbours are another surface or none, leaves the pixel.
@@ -90,11 +93,14 @@ bool is_one_patch(const Image<float>& expected, int left, int top) {
   return nearest > 0.0F && farthest - nearest <= kMostReliefMm;
 }
 
+/// The mean of a block's readings that count.
+/// @param counts  Of the pixel and its reading in mm.
+template <class Counts>
 SkinReading read_block(ImageView<const std::uint16_t> depth_mm,
                        const DepthLevels& levels,
-                       const Image<float>& expected,
                        int left,
-                       int top) {
+                       int top,
+                       const Counts& counts) {
   SkinReading reading;
   reading.column = static_cast<std::uint16_t>(left / kBlockPx);
   reading.row = static_cast<std::uint16_t>(top / kBlockPx);
@@ -102,7 +108,7 @@ SkinReading read_block(ImageView<const std::uint16_t> depth_mm,
   for (int y = 0; y < kBlockPx; ++y) {
     for (int x = 0; x < kBlockPx; ++x) {
       const float z_mm = levels.mm(depth_mm(left + x, top + y));
-      if (z_mm <= 0.0F || std::abs(z_mm - expected(left + x, top + y)) > kOnSkinMm) continue;
+      if (z_mm <= 0.0F || !counts(left + x, top + y, z_mm)) continue;
       reading.used |= static_cast<std::uint16_t>(1U << (y * kBlockPx + x));
       reading.z_mm += z_mm;
       reading.pixel += Eigen::Vector2f(static_cast<float>(left + x), static_cast<float>(top + y));
@@ -112,6 +118,40 @@ SkinReading read_block(ImageView<const std::uint16_t> depth_mm,
   reading.z_mm /= std::max(1.0F, count);
   reading.pixel /= std::max(1.0F, count);
   return reading;
+}
+
+/// Whether no skin is to be seen in a block or the blocks around it.
+bool is_beside_skin(const Image<float>& expected, int left, int top) {
+  for (int y = top - kBlockPx; y < top + 2 * kBlockPx; ++y) {
+    for (int x = left - kBlockPx; x < left + 2 * kBlockPx; ++x) {
+      if (expected.view().contains(x, y) && expected(x, y) > 0.0F) return false;
+    }
+  }
+  return true;
+}
+
+/// One block of sixteen beside the skin whose readings may be one surface's.
+void read_beside(ImageView<const std::uint16_t> depth_mm,
+                 const DepthLevels& levels,
+                 const Image<float>& expected,
+                 std::vector<SkinReading>& beside) {
+  for (int top = 0; top + kBlockPx <= expected.height(); top += kBesideStepPx) {
+    for (int left = 0; left + kBlockPx <= expected.width(); left += kBesideStepPx) {
+      if (!is_beside_skin(expected, left, top)) continue;
+      float nearest_mm = kFarthestBesideMm;
+      float farthest_mm = 0.0F;
+      const auto reading = read_block(depth_mm, levels, left, top, [&](int, int, float z_mm) {
+        nearest_mm = std::min(nearest_mm, z_mm);
+        farthest_mm = std::max(farthest_mm, z_mm);
+        return true;
+      });
+      const bool is_one_surface =
+          farthest_mm < kFarthestBesideMm && farthest_mm - nearest_mm <= kMostReliefMm;
+      if (is_one_surface && std::popcount(reading.used) >= kLeastReadings) {
+        beside.push_back(reading);
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -124,13 +164,17 @@ SensedSkin read_skin(const TriangleMesh& skin,
   SensedSkin view;
   view.ct_from_depth = ct_from_depth;
   const auto expected = expected_depth(skin, camera, ct_from_depth);
+  const auto is_on_skin = [&](int x, int y, float z_mm) {
+    return std::abs(z_mm - expected(x, y)) <= kOnSkinMm;
+  };
   for (int top = 0; top + kBlockPx <= expected.height(); top += kBlockPx) {
     for (int left = 0; left + kBlockPx <= expected.width(); left += kBlockPx) {
       if (!is_one_patch(expected, left, top)) continue;
-      const auto reading = read_block(depth_mm, levels, expected, left, top);
+      const auto reading = read_block(depth_mm, levels, left, top, is_on_skin);
       if (std::popcount(reading.used) >= kLeastReadings) view.readings.push_back(reading);
     }
   }
+  read_beside(depth_mm, levels, expected, view.beside);
   return view;
 }
 

@@ -25,11 +25,16 @@ struct SkinReading {
   float z_mm = 0.0F;                                ///< Their mean.
 };
 
-/// One moment of the camera, reduced to what self-calibration uses: about 100 kB.
+/// One moment of the camera, reduced to what self-calibration uses: about 150 kB.
 struct SensedSkin {
   Eigen::Isometry3d ct_from_depth = Eigen::Isometry3d::Identity();  ///< As tracked.
   std::vector<SkinReading> readings;
+  /// Of what is seen beside the body, thinned out: it may lie on a table.
+  std::vector<SkinReading> beside;
 };
+
+/// How a Kinect's readings stray sideways (Nguyen et al. 2012).
+inline constexpr double kReadingBlurPx = 0.8;
 
 /// What an ideal camera would read in a block.
 struct ExpectedReading {
@@ -46,7 +51,8 @@ struct ExpectedReading {
                                           const Eigen::Isometry3d& ct_from_depth);
 
 /// Reads the skin in a depth picture: the means of blocks of readings near the skin as a picture
-/// drawn at the pose shows it. Blocks at edges or partly covered are left out.
+/// drawn at the pose shows it, and of smooth blocks beside it. Blocks at edges or partly covered
+/// are left out.
 /// @param depth_mm  As the sensor gave it, of the camera's size; 0 = no reading.
 /// @param levels  What its values stand for: of this camera, learned from its pictures.
 /// @param ct_from_depth  The pose, right to some millimetres.

@@ -91,7 +91,11 @@ struct SimulatedCamera::Impl {
              chosen.path,
              chosen.seed),
         views(skin, chosen.distance_mm, chosen.seed),
-        scene(*skin, camera, chosen.seed, chosen.skin == SimulatedSkin::kMarked),
+        scene(*skin,
+              camera,
+              chosen.seed,
+              chosen.skin == SimulatedSkin::kMarked,
+              chosen.table_uneven_mm),
         noise(camera.focal_x_px, chosen.seed) {
     if (chosen.bias_mm > 0.0) {
       bias.emplace(chosen.width_px, chosen.height_px, chosen.bias_mm, chosen.seed);

@@ -62,6 +62,8 @@ struct SimulatedCameraOptions {
   /// by up to this share, jump now and then and flicker with the lamps.
   double exposure_swing = 0.0;
   SimulatedSkin skin = SimulatedSkin::kPlain;  ///< [skin] plain | marked.
+  /// [table] 0..5: the table is uneven by so much, root mean square, in long waves.
+  double table_uneven_mm = 0.0;
   bool has_noise = true;         ///< [noise] 0 | 1: Kinect v1 depth noise and grain in colour.
   std::uint64_t num_frames = 0;  ///< [frames] The camera ends after so many; 0: never.
   bool is_real_time = true;      ///< [speed] real | full: paced by the clock, or as fast as asked.

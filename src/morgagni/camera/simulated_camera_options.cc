@@ -17,6 +17,7 @@ constexpr std::uint64_t kMaxFramesAView = 1000;
 constexpr double kMaxBiasMm = 20.0;
 constexpr double kMaxFocalErrorPercent = 5.0;
 constexpr double kMaxExposureSwing = 0.6;
+constexpr double kMaxTableUnevenMm = 5.0;
 
 /// The picture, its pace and the camera's way.
 Result<bool> set_camera(const KeyValue& pair, SimulatedCameraOptions& options) {
@@ -65,6 +66,8 @@ Result<bool> set_trouble(const KeyValue& pair, SimulatedCameraOptions& options) 
   } else if (pair.key == "skin") {
     MOR_TRY(const auto choice, internal::parse_choice(pair, {"plain", "marked"}));
     options.skin = static_cast<SimulatedSkin>(choice);
+  } else if (pair.key == "table") {
+    MOR_TRY(options.table_uneven_mm, internal::parse_number(pair, 0.0, kMaxTableUnevenMm));
   } else if (pair.key == "noise") {
     MOR_TRY(const auto choice, internal::parse_choice(pair, {"0", "1"}));
     options.has_noise = choice == 1;
@@ -103,6 +106,7 @@ Result<SimulatedCameraOptions> SimulatedCameraOptions::parse(std::string_view te
                                   "focal",
                                   "exposure",
                                   "skin",
+                                  "table",
                                   "noise",
                                   "frames",
                                   "speed"});
@@ -126,6 +130,9 @@ Result<void> SimulatedCameraOptions::check() const {
   }
   if (!(exposure_swing >= 0.0 && exposure_swing <= kMaxExposureSwing)) {
     return outside("exposure", exposure_swing, 0, kMaxExposureSwing);
+  }
+  if (!(table_uneven_mm >= 0.0 && table_uneven_mm <= kMaxTableUnevenMm)) {
+    return outside("table", table_uneven_mm, 0, kMaxTableUnevenMm);
   }
   return {};
 }

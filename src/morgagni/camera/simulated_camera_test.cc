@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "morgagni/camera/simulated_camera.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <thread>
@@ -48,7 +49,7 @@ std::unique_ptr<SimulatedCamera> open(const SimulatedCameraOptions& options) {
 TEST(SimulatedCameraOptions, ReadEveryKey) {
   const auto options = SimulatedCameraOptions::parse(
       "seed=7,width=320,height=240,fps=15,distance=650,path=sway,clutter=towel,bias=2.5,focal=-1,"
-      "noise=0,frames=9,speed=full,exposure=0.3,skin=marked");
+      "noise=0,frames=9,speed=full,exposure=0.3,skin=marked,table=1.5");
   ASSERT_TRUE(options) << options.error().message;
   EXPECT_EQ(options->seed, 7U);
   EXPECT_EQ(options->width_px, 320);
@@ -63,6 +64,7 @@ TEST(SimulatedCameraOptions, ReadEveryKey) {
   EXPECT_EQ(options->num_frames, 9U);
   EXPECT_FALSE(options->is_real_time);
   EXPECT_EQ(options->exposure_swing, 0.3);
+  EXPECT_EQ(options->table_uneven_mm, 1.5);
   EXPECT_EQ(options->skin, SimulatedSkin::kMarked);
   EXPECT_TRUE(SimulatedCameraOptions::parse(""));
 }
@@ -90,6 +92,7 @@ TEST(SimulatedCameraOptions, NameTheBadKeyOrValueAndWhatIsAllowed) {
   EXPECT_THAT(error_of("bias=inf"), HasSubstr("bias must be in"));
   EXPECT_THAT(error_of("focal=6"), HasSubstr("focal must be in [-5, 5], got '6'"));
   EXPECT_THAT(error_of("exposure=1"), HasSubstr("exposure must be in [0, 0.6], got '1'"));
+  EXPECT_THAT(error_of("table=6"), HasSubstr("table must be in [0, 5], got '6'"));
   EXPECT_THAT(error_of("noise=yes"), HasSubstr("noise must be one of 0, 1"));
   EXPECT_THAT(error_of("speed=fast"), HasSubstr("real, full"));
 }
@@ -128,6 +131,33 @@ TEST(SimulatedCamera, SeesTheSkinWhereTheTruthPutsIt) {
     }
     EXPECT_GT(num_on_skin, 300);
   }
+}
+
+TEST(SimulatedCamera, AnUnevenTableLiesInLongWavesAboutTheLevelOne) {
+  const auto level = open({.has_noise = false});
+  const auto uneven = open({.table_uneven_mm = 3.0, .has_noise = false});
+  const auto frames = std::array{level->frame_at(0), uneven->frame_at(0)};
+  const auto ct_from_camera = level->ct_from_camera(0);
+  double squares = 0.0;
+  int count = 0;
+  for (int y = 0; y < 480; y += 4) {
+    for (int x = 0; x < 640; x += 4) {
+      const Eigen::Vector2d ray = level->calibration().depth.ray({x, y});
+      const auto place = [&](double z_mm) {
+        return Eigen::Vector3d(ct_from_camera *
+                               Eigen::Vector3d(ray.x() * z_mm, ray.y() * z_mm, z_mm));
+      };
+      const Eigen::Vector3d on_level = place(frames[0]->depth_mm(x, y));
+      const double up_mm = on_level.y() - place(frames[1]->depth_mm(x, y)).y();
+      const bool is_table = std::abs(on_level.y() + 40.0) < 1.0;
+      EXPECT_LT(std::abs(up_mm), is_table ? 12.0 : 0.01);
+      if (!is_table) continue;
+      squares += up_mm * up_mm;
+      ++count;
+    }
+  }
+  ASSERT_GT(count, 1000);
+  EXPECT_NEAR(std::sqrt(squares / count), 3.0, 1.5);
 }
 
 TEST(SimulatedCamera, SeesClutterInFrontOfWhatItHides) {

@@ -485,6 +485,7 @@ std::string to_json(const std::vector<SelfCalibrationGroup>& groups,
                     {"tre_before_mm", run.before.all_mm},
                     {"tre_sensor_mm", run.sensor.all_mm},
                     {"tre_followed_mm", run.followed.all_mm},
+                    {"sees_table", run.found.sees_table},
                     {"cpu_s", run.cpu_s}});
   }
   return nlohmann::json{{"first_seed", options.first_seed},

@@ -17,7 +17,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 /// Of Tukey's kernel: wide enough for a sensor's error at first.
 constexpr std::array<double, 4> kScalesMm = {6.0, 5.0, 4.0, 3.0};
 constexpr double kLastScaleMm = 2.5;
-constexpr int kMaxSteps = 14;
+constexpr std::size_t kMaxSteps = 14;
 constexpr double kEnoughMm = 0.01;  ///< A step that moves no value by more is the last.
 /// A tracked pose is right to about so much: keeps what the shape leaves open.
 constexpr double kPoseShiftMm = 20.0;
@@ -55,34 +55,42 @@ Matrix6d pose_prior() {
   return prior;
 }
 
-/// Which of the values a model frees.
-std::vector<Eigen::Index> free_values(BundleModel model, std::size_t sensor, std::size_t skin) {
-  std::vector<Eigen::Index> free;
-  const bool has_sensor = model == BundleModel::kSensor || model == BundleModel::kSensorAndSkin;
-  const bool has_skin = model == BundleModel::kSkin || model == BundleModel::kSensorAndSkin;
-  for (std::size_t i = 0; has_sensor && i < sensor; ++i) {
-    free.push_back(static_cast<Eigen::Index>(i));
-  }
-  for (std::size_t i = 0; has_skin && i < skin; ++i) {
-    free.push_back(static_cast<Eigen::Index>(sensor + i));
-  }
-  return free;
-}
-
 }  // namespace
+
+/// Which of all values a model frees, and where each of all stands among those.
+struct Bundle::FreeValues {
+  static constexpr Eigen::Index kHeld = -1;
+
+  FreeValues(std::size_t sensor, const BundleSizes& sizes, BundleModel model) {
+    const bool has_sensor = model == BundleModel::kSensor || model == BundleModel::kSensorAndSkin;
+    const bool has_skin = model == BundleModel::kSkin || model == BundleModel::kSensorAndSkin;
+    add(sensor, has_sensor);
+    add(sizes.skin, has_skin);
+    add(sizes.table, true);
+  }
+
+  void add(std::size_t count, bool is_free) {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (is_free) values.push_back(static_cast<Eigen::Index>(place.size()));
+      place.push_back(is_free ? static_cast<Eigen::Index>(values.size()) - 1 : kHeld);
+    }
+  }
+
+  [[nodiscard]] Eigen::Index size() const { return static_cast<Eigen::Index>(values.size()); }
+
+  std::vector<Eigen::Index> values;
+  std::vector<Eigen::Index> place;
+};
 
 /// Of one view; `values` and `values_gradient` are summed over views.
 struct Bundle::Equations {
-  explicit Equations(std::size_t size)
-      : values(Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(size),
-                                     static_cast<Eigen::Index>(size))),
-        values_gradient(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(size))) {}
+  explicit Equations(Eigen::Index size)
+      : values(Eigen::MatrixXd::Zero(size, size)), values_gradient(Eigen::VectorXd::Zero(size)) {}
 
-  void start_view(std::size_t size) {
-    pose.setZero();
+  void start_view() {
+    pose = pose_prior();
     pose_gradient.setZero();
-    pose_by_values =
-        Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, static_cast<Eigen::Index>(size));
+    pose_by_values = Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, values.cols());
   }
 
   Eigen::MatrixXd values;  ///< The upper triangle.
@@ -93,12 +101,12 @@ struct Bundle::Equations {
 };
 
 Bundle::Bundle(const SensorModel& sensor,
-               std::size_t skin_size,
+               const BundleSizes& sizes,
                const std::vector<View>& views,
                const Eigen::MatrixXd& prior_precision,
                const Eigen::Vector3d& pivot_mm)
     : sensor_(sensor),
-      skin_size_(skin_size),
+      sizes_(sizes),
       views_(views),
       prior_precision_(prior_precision),
       pivot_mm_(pivot_mm) {}
@@ -107,27 +115,26 @@ double Bundle::distance_mm(const SensorReading& reading,
                            const BundleState& state,
                            const Eigen::Vector3d& place_mm) const {
   double distance_mm = reading.normal.dot(place_mm - reading.place_mm);
-  for (std::size_t i = 0; reading.on_skin_model && i < reading.skin_index.size(); ++i) {
-    const auto index = static_cast<Eigen::Index>(sensor_.size() + reading.skin_index[i]);
-    distance_mm -= static_cast<double>(reading.skin_share[i]) * state.values[index];
+  for (std::size_t i = 0; i < reading.num_surface; ++i) {
+    const auto index = static_cast<Eigen::Index>(sensor_.size() + reading.surface_index[i]);
+    distance_mm -= static_cast<double>(reading.surface_share[i]) * state.values[index];
   }
   return distance_mm;
 }
 
-void Bundle::linearize(std::size_t view,
+void Bundle::linearize(std::span<const SensorReading> readings,
+                       const Eigen::Isometry3d& pose,
                        const BundleState& state,
                        double scale_mm,
-                       bool has_values,
+                       const FreeValues* free,
                        Equations& equations) const {
-  const Eigen::Isometry3d& pose = state.ct_from_depth[view];
   const Eigen::Matrix3d depth_from_ct = pose.linear().transpose();
-  const std::size_t sensor_size = sensor_.size();
-  const std::span<const double> sensor_values(state.values.data(), sensor_size);
+  const std::span<const double> sensor_values(state.values.data(), sensor_.size());
   std::array<std::size_t, SensorModel::kNumTouched> sensor_index{};
   std::array<double, SensorModel::kNumTouched> sensor_value{};
   std::array<Eigen::Index, kMaxTouched> index{};
   std::array<double, kMaxTouched> value{};
-  for (const auto& reading : views_[view].readings) {
+  for (const auto& reading : readings) {
     if (!(reading.weight > 0.0F)) continue;
     const Eigen::Vector3d place = pose * sensor_.corrected(reading, sensor_values);
     const double distance = distance_mm(reading, state, place);
@@ -137,16 +144,18 @@ void Bundle::linearize(std::size_t view,
     row << (place - pivot_mm_).cross(reading.normal), reading.normal;
     equations.pose.selfadjointView<Eigen::Upper>().rankUpdate(row, weight);
     equations.pose_gradient += weight * distance * row;
-    if (!has_values) continue;
-    sensor_.derivatives(reading, depth_from_ct * reading.normal, sensor_index, sensor_value);
+    if (free == nullptr) continue;
     std::size_t count = 0;
-    for (std::size_t i = 0; i < sensor_index.size(); ++i, ++count) {
-      index[count] = static_cast<Eigen::Index>(sensor_index[i]);
-      value[count] = sensor_value[i];
-    }
-    for (std::size_t i = 0; reading.on_skin_model && i < reading.skin_index.size(); ++i, ++count) {
-      index[count] = static_cast<Eigen::Index>(sensor_size + reading.skin_index[i]);
-      value[count] = -static_cast<double>(reading.skin_share[i]);
+    const auto put = [&](std::size_t at, double slope) {
+      index[count] = free->place[at];
+      value[count] = slope;
+      count += index[count] != FreeValues::kHeld ? 1 : 0;
+    };
+    sensor_.derivatives(reading, depth_from_ct * reading.normal, sensor_index, sensor_value);
+    for (std::size_t i = 0; i < sensor_index.size(); ++i) put(sensor_index[i], sensor_value[i]);
+    for (std::size_t i = 0; i < reading.num_surface; ++i) {
+      put(sensor_.size() + reading.surface_index[i],
+          -static_cast<double>(reading.surface_share[i]));
     }
     // Indices ascend, so this fills the upper triangle.
     for (std::size_t b = 0; b < count; ++b) {
@@ -159,60 +168,72 @@ void Bundle::linearize(std::size_t view,
     }
   }
   equations.pose = equations.pose.selfadjointView<Eigen::Upper>();
-  equations.pose += pose_prior();
 }
 
-void Bundle::fit(std::span<const std::size_t> views, BundleModel model, BundleState& state) const {
-  const std::size_t size = sensor_.size() + skin_size_;
-  const auto free = free_values(model, sensor_.size(), skin_size_);
-  if (free.empty()) {
+void Bundle::fit(std::span<const std::size_t> views,
+                 BundleModel model,
+                 BundleStart start,
+                 BundleState& state) const {
+  const FreeValues free(sensor_.size(), sizes_, model);
+  if (free.size() == 0) {
     for (const std::size_t view : views) fit_pose(view, state);
     return;
   }
-  const Eigen::MatrixXd prior = prior_precision_(free, free);
-  for (int step = 0; step < kMaxSteps; ++step) {
-    const auto at = static_cast<std::size_t>(step);
-    const double scale_mm = at < kScalesMm.size() ? kScalesMm[at] : kLastScaleMm;
-    Equations sums(size);
-    std::vector<Matrix6d> inverse(views.size());
-    std::vector<Vector6d> gradients(views.size());
-    std::vector<Eigen::Matrix<double, 6, Eigen::Dynamic>> couplings(views.size());
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      sums.start_view(size);
-      linearize(views[i], state, scale_mm, true, sums);
-      inverse[i] = sums.pose.inverse();
-      gradients[i] = sums.pose_gradient;
-      couplings[i] = sums.pose_by_values(Eigen::all, free);
-    }
-    const Eigen::MatrixXd full = sums.values.selfadjointView<Eigen::Upper>();
-    Eigen::MatrixXd matrix = full(free, free) + prior;
-    Eigen::VectorXd gradient = sums.values_gradient(free) + prior * state.values(free);
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      const Eigen::MatrixXd half = inverse[i] * couplings[i];
-      matrix.noalias() -= couplings[i].transpose() * half;
-      gradient.noalias() -= half.transpose() * gradients[i];
-    }
-    const Eigen::VectorXd change = -matrix.llt().solve(gradient);
-    state.values(free) += change;
-    for (std::size_t i = 0; i < views.size(); ++i) {
-      const Vector6d move = -inverse[i] * (gradients[i] + couplings[i] * change);
-      add_step(move, pivot_mm_, state.ct_from_depth[views[i]]);
-    }
-    if (at >= kScalesMm.size() && change.cwiseAbs().maxCoeff() < kEnoughMm) break;
+  const Eigen::MatrixXd prior = prior_precision_(free.values, free.values);
+  const std::size_t first = start == BundleStart::kNear ? kScalesMm.size() : 0;
+  for (std::size_t step = first; step < kMaxSteps; ++step) {
+    const double scale_mm = step < kScalesMm.size() ? kScalesMm[step] : kLastScaleMm;
+    const double most_mm = take_step(views, free, prior, scale_mm, state);
+    if (step >= kScalesMm.size() && most_mm < kEnoughMm) break;
   }
 }
 
+/// @return The greatest change of a value.
+double Bundle::take_step(std::span<const std::size_t> views,
+                         const FreeValues& free,
+                         const Eigen::MatrixXd& prior,
+                         double scale_mm,
+                         BundleState& state) const {
+  const auto num_rows = 6 * static_cast<Eigen::Index>(views.size());
+  Equations sums(free.size());
+  std::vector<Eigen::LLT<Matrix6d>> poses;
+  // Of each view: the root's inverse of its pose's block, times what couples it to the values and
+  // times its gradient. What the elimination takes away is their square.
+  Eigen::MatrixXd couplings(num_rows, free.size());
+  Eigen::VectorXd gradients(num_rows);
+  for (const std::size_t view : views) {
+    sums.start_view();
+    linearize(views_[view].readings, state.ct_from_depth[view], state, scale_mm, &free, sums);
+    const auto row = 6 * static_cast<Eigen::Index>(poses.size());
+    poses.emplace_back(sums.pose);
+    couplings.middleRows<6>(row) = poses.back().matrixL().solve(sums.pose_by_values);
+    gradients.segment<6>(row) = poses.back().matrixL().solve(sums.pose_gradient);
+  }
+  sums.values += prior;
+  sums.values.selfadjointView<Eigen::Upper>().rankUpdate(couplings.transpose(), -1.0);
+  const Eigen::VectorXd gradient =
+      sums.values_gradient + prior * state.values(free.values) - couplings.transpose() * gradients;
+  const Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> solver(sums.values);
+  const Eigen::VectorXd change = -solver.solve(gradient);
+  state.values(free.values) += change;
+  const Eigen::VectorXd moves = -(gradients + couplings * change);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const Vector6d root = moves.segment<6>(6 * static_cast<Eigen::Index>(i));
+    add_step(poses[i].matrixU().solve(root), pivot_mm_, state.ct_from_depth[views[i]]);
+  }
+  return change.cwiseAbs().maxCoeff();
+}
+
 void Bundle::fit_pose(std::size_t view, BundleState& state) const {
-  const std::size_t size = 0;
-  for (int step = 0; step < kMaxSteps; ++step) {
-    const auto at = static_cast<std::size_t>(step);
-    const double scale_mm = at < kScalesMm.size() ? kScalesMm[at] : kLastScaleMm;
-    Equations equations(size);
-    equations.start_view(size);
-    linearize(view, state, scale_mm, false, equations);
+  for (std::size_t step = 0; step < kMaxSteps; ++step) {
+    const double scale_mm = step < kScalesMm.size() ? kScalesMm[step] : kLastScaleMm;
+    Equations equations(0);
+    equations.start_view();
+    linearize(
+        views_[view].readings, state.ct_from_depth[view], state, scale_mm, nullptr, equations);
     const Vector6d move = -equations.pose.llt().solve(equations.pose_gradient);
     add_step(move, pivot_mm_, state.ct_from_depth[view]);
-    if (at >= kScalesMm.size() && move.tail<3>().norm() < kEnoughMm) break;
+    if (step >= kScalesMm.size() && move.tail<3>().norm() < kEnoughMm) break;
   }
 }
 
@@ -244,21 +265,24 @@ std::vector<float> Bundle::residuals(std::size_t view, const BundleState& state)
 
 BundleInformation Bundle::information(std::span<const std::size_t> views,
                                       const BundleState& state) const {
-  const std::size_t size = sensor_.size() + skin_size_;
+  const FreeValues all_values(sensor_.size(), sizes_, BundleModel::kSensorAndSkin);
   BundleInformation result;
   result.pivot_mm = pivot_mm_;
-  Equations sums(size);
-  Eigen::MatrixXd eliminated =
-      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(size), static_cast<Eigen::Index>(size));
+  Equations sums(all_values.size());
+  Eigen::MatrixXd eliminated = Eigen::MatrixXd::Zero(all_values.size(), all_values.size());
   for (const std::size_t view : views) {
-    sums.start_view(size);
-    linearize(view, state, kLastScaleMm, true, sums);
-    const Eigen::MatrixXd follows = -sums.pose.inverse() * sums.pose_by_values;
-    eliminated.noalias() += sums.pose_by_values.transpose() * follows;
-    result.pose_from_values.push_back(follows);
+    const Eigen::Isometry3d& pose = state.ct_from_depth[view];
+    const std::span<const SensorReading> all(views_[view].readings);
+    const auto on_skin = all.first(views_[view].num_on_skin);
+    sums.start_view();
+    linearize(on_skin, pose, state, kLastScaleMm, &all_values, sums);
+    result.pose_from_values.emplace_back(-sums.pose.inverse() * sums.pose_by_values);
+    linearize(all.subspan(on_skin.size()), pose, state, kLastScaleMm, &all_values, sums);
+    const Eigen::MatrixXd coupling = sums.pose.llt().matrixL().solve(sums.pose_by_values);
+    eliminated.selfadjointView<Eigen::Upper>().rankUpdate(coupling.transpose());
   }
-  result.matrix = sums.values.selfadjointView<Eigen::Upper>();
-  result.matrix += eliminated;
+  const Eigen::MatrixXd left = sums.values - eliminated;
+  result.matrix = left.selfadjointView<Eigen::Upper>();
   return result;
 }
 

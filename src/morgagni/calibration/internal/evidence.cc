@@ -10,8 +10,11 @@ namespace mor::internal {
 namespace {
 
 /// Corrections that move the body by up to so much were found without any error of the sensor, too:
-/// what noise model and skin leave. Smaller ones would make one body in three worse.
+/// what noise model and skin leave. Smaller ones would make one body in three worse,
 constexpr double kLeastShiftMm = 1.0;
+/// but where held-out views gain so much, which they never did without such an error.
+constexpr double kLargeGain = 0.05;
+constexpr double kLeastSureShiftMm = 0.5;
 /// Where more than this share of what a sensor can do to a pose stays unknown, the camera has moved
 /// too little.
 constexpr double kMostOpenShare = 0.6;
@@ -32,8 +35,11 @@ double mean_sq_mm2(const ViewFit& fit) {
 }
 
 bool is_sure(const HeldOutFit& held, const HeldOutGain& gain, double least_share) {
-  return gain.significance > kLeastSignificance && gain.share > least_share &&
-         gain.num_better + 1 >= held.num_folds;
+  // Parts of a motion tell unequally much: where all of them gain they need not gain alike.
+  const bool is_in_all = gain.num_better == held.num_folds;
+  const bool is_even =
+      gain.num_better + 1 == held.num_folds && gain.significance > kLeastSignificance;
+  return gain.share > least_share && (is_in_all || is_even);
 }
 
 }  // namespace
@@ -73,8 +79,10 @@ SelfCalibrationVerdict judge_sensor(const SelfCalibration& found,
   // Less is told apart from the sensor by the views that were held out.
   if (found.skin_rms_mm > kMostSkin * options.skin_mm) return SelfCalibrationVerdict::kOtherBody;
   if (found.open_share > kMostOpenShare) return SelfCalibrationVerdict::kTooLittleMotion;
-  return found.shift_mm < kLeastShiftMm ? SelfCalibrationVerdict::kSmall
-                                        : SelfCalibrationVerdict::kError;
+  const double least_mm =
+      found.held_out.sensor.share > kLargeGain ? kLeastSureShiftMm : kLeastShiftMm;
+  return found.shift_mm < least_mm ? SelfCalibrationVerdict::kSmall
+                                   : SelfCalibrationVerdict::kError;
 }
 
 bool speaks_for_skin_alone(const SelfCalibration& found) {

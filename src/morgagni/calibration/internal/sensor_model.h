@@ -26,9 +26,11 @@ struct SensorReading {
   /// Where it would be if nothing erred, and the skin's normal there, frame ct.
   Eigen::Vector3d place_mm = Eigen::Vector3d::Zero();
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  bool on_skin_model = false;
-  std::array<std::uint16_t, 8> skin_index{};  ///< Control points of the skin's model, ascending.
-  std::array<float, 8> skin_share{};
+  /// Control points, ascending, of how the surface there lies off where it is expected: the skin's
+  /// change, or what the table is out of its plane. After the sensor's values.
+  std::size_t num_surface = 0;
+  std::array<std::uint16_t, 8> surface_index{};
+  std::array<float, 8> surface_share{};
 };
 
 /// The sensor's systematic error as a vector of parameters:

@@ -48,8 +48,8 @@ constexpr std::array<Swing, 7> kPassSwings = {{{70.0 * kDegree, 100.0},
                                                {4.0 * kDegree, 19.0},
                                                {12.0, 11.0}}};
 /// Near and far, rolled, and the body through much of the picture, as self-calibration wants it.
-constexpr std::array<Swing, 7> kSweepSwings = {{{16.0 * kDegree, 31.0},
-                                                {7.0 * kDegree, 23.0},
+constexpr std::array<Swing, 7> kSweepSwings = {{{50.0 * kDegree, 60.0},
+                                                {20.0 * kDegree, 37.0},
                                                 {160.0, 25.0},
                                                 {4.0 * kDegree, 13.0},
                                                 {4.0 * kDegree, 15.5},

@@ -67,11 +67,12 @@ float power(float base, int exponent) {
 Scene::Scene(const TriangleMesh& skin,
              const PinholeCamera& camera,
              std::uint64_t seed,
-             bool is_marked)
+             bool is_marked,
+             double table_uneven_mm)
     : camera_(camera),
       seed_(seed),
       is_marked_(is_marked),
-      table_(skin, seed),
+      table_(skin, seed, table_uneven_mm),
       skin_(painted_as_skin(skin, seed)),
       pores_(make_pores(seed)),
       inverse_ray_length_(camera.width_px, camera.height_px) {
@@ -213,7 +214,9 @@ void Scene::draw_room_row(const RoomRow& room,
                           (column < num_columns) & (row < num_rows);
     facing[x] = static_cast<std::uint8_t>(255.0F * cosine);
     if (is_table) {
-      z_mm[x] = to_table_mm * room.per_fall[x];
+      // Waves are so long that the ray meets them about where it meets the plane.
+      const float height_mm = table_.is_level() ? 0.0F : table_.height_mm(column, row);
+      z_mm[x] = (to_table_mm - height_mm) * room.per_fall[x];
       color[x] = dimmed(wood(static_cast<int>(column), static_cast<int>(row)),
                         static_cast<unsigned>(158.0F + 98.0F * cosine));
     } else if (to_floor_mm > 0.0F) {

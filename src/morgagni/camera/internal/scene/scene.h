@@ -28,8 +28,12 @@ struct ScenePicture {
 class Scene {
  public:
   /// @param camera  Without lens distortion.
-  /// @param is_marked  The skin has marks (skin_marks.h).
-  Scene(const TriangleMesh& skin, const PinholeCamera& camera, std::uint64_t seed, bool is_marked);
+  /// @param is_marked  The skin has marks (skin_marks.h). @param table_uneven_mm  As Table.
+  Scene(const TriangleMesh& skin,
+        const PinholeCamera& camera,
+        std::uint64_t seed,
+        bool is_marked,
+        double table_uneven_mm = 0.0);
 
   /// @param things  Beside the body and the table; may be empty.
   /// @threads Safe to call from many at once.

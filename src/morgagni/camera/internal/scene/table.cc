@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "morgagni/camera/internal/random.h"
 
@@ -126,7 +127,7 @@ float smooth_noise(float x, float y, float z, std::uint64_t seed) {
                    tz);
 }
 
-Table::Table(const TriangleMesh& skin, std::uint64_t seed)
+Table::Table(const TriangleMesh& skin, std::uint64_t seed, double uneven_mm)
     : picture_(static_cast<int>(kTableWidthMm * kTexelsPerMm),
                static_cast<int>(kTableLengthMm * kTexelsPerMm)) {
   const auto bounds = skin.bounds();
@@ -135,6 +136,47 @@ Table::Table(const TriangleMesh& skin, std::uint64_t seed)
   foot_mm_ = bounds.center().z() - 0.5F * kTableLengthMm;
   paint_wood(seed);
   paint_shadow(skin);
+  if (uneven_mm > 0.0) bend(uneven_mm, seed);
+}
+
+void Table::bend(double uneven_mm, std::uint64_t seed) {
+  constexpr int kWaves = 8;
+  constexpr float kNodeMm = kTexelsANode / kTexelsPerMm;
+  heights_mm_ = Image<float>(static_cast<int>(kTableWidthMm / kNodeMm) + 2,
+                             static_cast<int>(kTableLengthMm / kNodeMm) + 2,
+                             0.0F);
+  Draws draw(scramble(seed ^ 0x5441424CU));
+  for (int wave = 0; wave < kWaves; ++wave) {
+    const double length_mm = draw(400.0, 1600.0);
+    const double direction_rad = draw(0.0, std::numbers::pi);
+    const double phase_rad = draw(0.0, 2.0 * std::numbers::pi);
+    const double per_node = 2.0 * std::numbers::pi * static_cast<double>(kNodeMm) / length_mm;
+    for (int z = 0; z < heights_mm_.height(); ++z) {
+      for (int x = 0; x < heights_mm_.width(); ++x) {
+        const double along = x * std::cos(direction_rad) + z * std::sin(direction_rad);
+        heights_mm_(x, z) += static_cast<float>(std::sin(per_node * along + phase_rad));
+      }
+    }
+  }
+  double squares = 0.0;
+  for (std::size_t i = 0; i < heights_mm_.size(); ++i) {
+    squares += static_cast<double>(heights_mm_.data()[i] * heights_mm_.data()[i]);
+  }
+  const double rms = std::sqrt(squares / static_cast<double>(heights_mm_.size()));
+  for (std::size_t i = 0; i < heights_mm_.size(); ++i) {
+    heights_mm_.data()[i] *= static_cast<float>(uneven_mm / rms);
+  }
+}
+
+float Table::height_mm(float column, float row) const {
+  const float x = column / kTexelsANode;
+  const float z = row / kTexelsANode;
+  const int left = static_cast<int>(x);
+  const int foot = static_cast<int>(z);
+  const float share_x = x - static_cast<float>(left);
+  return std::lerp(std::lerp(heights_mm_(left, foot), heights_mm_(left + 1, foot), share_x),
+                   std::lerp(heights_mm_(left, foot + 1), heights_mm_(left + 1, foot + 1), share_x),
+                   z - static_cast<float>(foot));
 }
 
 /// Planks along the body, each of its own tone, with grain that is stretched along it.

@@ -13,13 +13,19 @@
 namespace mor::internal {
 
 /// The table under a supine body, frame ct (LPS): a plane of constant y that touches the skin's
-/// lowest point. Its picture, wood with the body's soft shadow, is painted once.
+/// lowest point, level or in waves about it. Its picture, wood with the body's soft shadow, is
+/// painted once.
 class Table {
  public:
-  Table(const TriangleMesh& skin, std::uint64_t seed);
+  /// @param uneven_mm  Root mean square of the waves, which are 400 to 1600 mm long.
+  Table(const TriangleMesh& skin, std::uint64_t seed, double uneven_mm);
 
   [[nodiscard]] float top_mm() const { return top_mm_; }
   [[nodiscard]] float floor_mm() const { return top_mm_ + kHeightMm; }
+
+  [[nodiscard]] bool is_level() const { return heights_mm_.empty(); }
+  /// How far it lies above top_mm() at a place in its picture. @pre Not level; inside.
+  [[nodiscard]] float height_mm(float column, float row) const;
 
   /// Column and row in the table's picture of a place (x, z) on its plane.
   [[nodiscard]] Eigen::Vector2f texel_at(float x_mm, float z_mm) const {
@@ -32,7 +38,9 @@ class Table {
  private:
   static constexpr float kHeightMm = 780.0F;
   static constexpr float kTexelsPerMm = 0.8F;
+  static constexpr float kTexelsANode = 16.0F;
 
+  void bend(double uneven_mm, std::uint64_t seed);
   void paint_wood(std::uint64_t seed);
   void paint_shadow(const TriangleMesh& skin);
 
@@ -40,6 +48,7 @@ class Table {
   float left_mm_ = 0.0F;
   float foot_mm_ = 0.0F;
   Image<Rgb8> picture_;
+  Image<float> heights_mm_;  ///< A node every kTexelsANode texels; empty: level.
 };
 
 /// Smooth noise in [0, 1] that repeats every 256 units, from a lattice of seeded values.
