@@ -18,7 +18,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 /// What a good sweep reaches; docs/self-calibration.md, "How to move".
 constexpr double kWantedDepthMm = 200.0;
 constexpr double kWantedRollRad = 30.0 * kDegree;
-constexpr double kWantedTurnRad = 25.0 * kDegree;
+constexpr double kWantedTurnRad = 60.0 * kDegree;
 constexpr int kWantedViewsInPart = 2;
 /// Of a part's blocks, so many on the skin fill it.
 constexpr double kFilledShare = 0.1;

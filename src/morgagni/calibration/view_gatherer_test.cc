@@ -75,7 +75,7 @@ TEST(ViewGatherer, IsContentWithAGoodSweep) {
                : i % 4 == 1 ? view(100, 70, 160, 120, 850.0F)
                : i % 4 == 2 ? view(0, 70, 60, 120, 700.0F)
                             : view(100, 0, 160, 50, 700.0F);
-    one.ct_from_depth = moved(30.0 * i, 20.0 * kDegree * (i % 3 - 1), 20.0 * kDegree * (i % 2));
+    one.ct_from_depth = moved(30.0 * i, 35.0 * kDegree * (i % 3 - 1), 20.0 * kDegree * (i % 2));
     one.ct_from_depth.rotate(
         Eigen::AngleAxisd(-10.0 * kDegree * (i % 3), Eigen::Vector3d::UnitZ()));
     gatherer.add(one, at(1000 * i));

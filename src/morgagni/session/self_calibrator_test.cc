@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
 #include "morgagni/camera/simulated_camera.h"
@@ -150,6 +151,28 @@ class SelfCalibratorTest : public testing::Test {
     return sum_mm / std::max(1, count);
   }
 
+  /// What was found, for whoever reads why a test failed.
+  std::string found_in_words() const {
+    const auto& found = calibrator_->status().found;
+    if (!found) return "nothing was found";
+    const auto& held = found->held_out;
+    return fmt::format(
+        "{}: moved by {:.2f} mm, {:.2f} of {:.2f} mm stay unknown, {:.2f} open; skin moved by "
+        "{:.2f} mm; held "
+        "out {:.3f} mm, {:.3f} by the skin, {:.3f} by the sensor, {:.3f} by both; gain at {:.1f}",
+        to_string(found->verdict),
+        found->shift_mm,
+        found->remaining_mm,
+        found->before_mm,
+        found->open_share,
+        found->skin_shift_mm,
+        held.as_it_is_mm,
+        held.skin_mm,
+        held.sensor_mm,
+        held.both_mm,
+        held.sensor.significance);
+  }
+
   Json ask(const std::string& method, const std::string& what, int status = 200) {
     for (const auto& route : make_self_calibration_routes(
              std::shared_ptr<SelfCalibrator>(calibrator_.get(), [](auto*) {}))) {
@@ -178,12 +201,7 @@ TEST_F(SelfCalibratorTest, ProposesAppliesChecksItselfAndTakesBack) {
   look_through(4.0);
   const double before_mm = track_until_it_says_something();
   const auto status = calibrator_->status();
-  ASSERT_EQ(status.phase, SelfCalibratorPhase::kProposed)
-      << to_string(status.found->verdict) << ": " << status.found->remaining_mm << " of "
-      << status.found->before_mm << " mm stay unknown; moved by " << status.found->shift_mm
-      << " mm, gain " << status.found->held_out.sensor.share << " at "
-      << status.found->held_out.sensor.significance << ", " << status.found->open_share
-      << " open";
+  ASSERT_EQ(status.phase, SelfCalibratorPhase::kProposed) << found_in_words();
   const auto proposed = ask("GET", "");
   EXPECT_EQ(proposed["phase"], "proposed");
   EXPECT_EQ(proposed["found"]["map"]["add_mm"].size(), 130U);
@@ -211,7 +229,8 @@ TEST_F(SelfCalibratorTest, ProposesAppliesChecksItselfAndTakesBack) {
 
   const double after_mm = track_until_it_says_something();
   EXPECT_LT(after_mm, 0.75 * before_mm) << "an egg leaves much unknown";
-  EXPECT_EQ(calibrator_->status().phase, SelfCalibratorPhase::kResting) << "nothing more to remove";
+  EXPECT_EQ(calibrator_->status().phase, SelfCalibratorPhase::kResting)
+      << "nothing more to remove, but " << found_in_words();
 
   const auto undone = ask("POST", "/undo");
   EXPECT_EQ(undone["applied"], nullptr);
@@ -255,8 +274,7 @@ TEST_F(SelfCalibratorTest, ANoLeavesTheBoundAsWideAsTheSensorIsOff) {
 TEST_F(SelfCalibratorTest, FollowsAChangedSkinForTheSessionAndTakesItBack) {
   look_through(0.0, "simulated-1", changed_body());
   const double before_mm = track_until_it_says_something();
-  ASSERT_EQ(calibrator_->status().phase, SelfCalibratorPhase::kProposed)
-      << to_string(calibrator_->status().found->verdict);
+  ASSERT_EQ(calibrator_->status().phase, SelfCalibratorPhase::kProposed) << found_in_words();
   const auto proposed = ask("GET", "")["found"];
   EXPECT_EQ(proposed["verdict"], "skin-changed");
   EXPECT_EQ(proposed["follows_skin"], true);
@@ -275,7 +293,8 @@ TEST_F(SelfCalibratorTest, FollowsAChangedSkinForTheSessionAndTakesItBack) {
   EXPECT_THAT(skin_->change, HasSubstr("mm from the CT's"));
   EXPECT_LT(sensor_bias_mm_, waiting_bias_mm);
   EXPECT_LT(track_until_it_says_something(), before_mm);
-  EXPECT_EQ(calibrator_->status().phase, SelfCalibratorPhase::kResting) << "nothing more to follow";
+  EXPECT_EQ(calibrator_->status().phase, SelfCalibratorPhase::kResting)
+      << "nothing more to follow, but " << found_in_words();
 
   EXPECT_EQ(ask("POST", "/undo")["applied"], nullptr);
   EXPECT_EQ(skin_, bumpy_case()->skin);

@@ -23,6 +23,8 @@ constexpr double kTiltRad = 0.03;
 constexpr std::size_t kMostSamples = 4000;
 constexpr std::size_t kLeastSamples = 500;
 constexpr int kTrials = 400;
+/// Three places span a plane where they lie well apart: their triangle's area, twice.
+constexpr double kLeastAcrossMm2 = 5000.0;
 constexpr double kOnPlaneMm = 12.0;
 /// Of what is seen beside the body, so much must lie on it.
 constexpr double kLeastShare = 0.3;
@@ -65,7 +67,9 @@ Plane fullest_plane(const std::vector<Eigen::Vector3d>& places_mm) {
     const auto& a = places_mm[random() % places_mm.size()];
     const auto& b = places_mm[random() % places_mm.size()];
     const auto& c = places_mm[random() % places_mm.size()];
-    const Eigen::Vector3d normal = (b - a).cross(c - a).normalized();
+    const Eigen::Vector3d across = (b - a).cross(c - a);
+    if (across.norm() < kLeastAcrossMm2) continue;
+    const Eigen::Vector3d normal = across.normalized();
     const Plane plane{normal, normal.dot(a)};
     const auto count =
         std::ranges::count_if(places_mm, [&](const auto& p) { return plane.holds(p); });
@@ -104,11 +108,12 @@ std::optional<TableModel> TableModel::find(const std::vector<SensedSkin>& views,
   if (places_mm.size() < kLeastSamples) return std::nullopt;
   Plane plane = fullest_plane(places_mm);
   auto on_it_mm = those_on(plane, places_mm);
+  if (on_it_mm.size() < kLeastSamples) return std::nullopt;
+  plane = fitted(on_it_mm);
+  on_it_mm = those_on(plane, places_mm);
   if (static_cast<double>(on_it_mm.size()) < kLeastShare * static_cast<double>(places_mm.size())) {
     return std::nullopt;
   }
-  plane = fitted(on_it_mm);
-  on_it_mm = those_on(plane, places_mm);
   if (plane.normal.dot(body_mm) < plane.offset_mm) {
     plane = {-plane.normal, -plane.offset_mm};
   }
