@@ -19,6 +19,8 @@ namespace {
 
 constexpr double kEdgeHu = SkinProfile::kEdgeHu;
 constexpr double kAirHu = -1000.0;
+constexpr double kSkinHuPerMm = 700.0;
+constexpr double kNoLimitHu = 32767.0;
 
 /// Everything that air from the sides does not reach.
 BitMask solid_of(const Volume& volume) {
@@ -32,7 +34,10 @@ BitMask solid_of(const Volume& volume) {
 class Carving {
  public:
   Carving(const Volume& volume, const SkinProfiles& profiles, const ThinLayers& layers)
-      : volume_(volume), profiles_(profiles), layers_(layers) {}
+      : volume_(volume), profiles_(profiles), layers_(layers), sheet_mm_(layers.thick_mm) {
+    for (std::size_t i = 0; i < sheet_mm_.size(); ++i)
+      if (layers.is_sheet[i] == 0) sheet_mm_[i] = 0.0F;
+  }
 
   void run(Volume& result, BitMask& taken) const {
     const BitMask near = surroundings();
@@ -62,13 +67,13 @@ class Carving {
 
   /// What a voxel may have at most when the layer above it is air.
   [[nodiscard]] double most_hu_at(const Eigen::Vector3i& voxel) const {
-    constexpr double kSkinHuPerMm = 700.0;
-    constexpr double kNoLimitHu = 32767.0;
     const Eigen::Vector3d place = voxel.cast<double>().cwiseProduct(volume_.spacing_mm);
     if (volume_.hu[volume_.index(voxel.x(), voxel.y(), voxel.z())] < 0.9 * kAirHu)
       return kNoLimitHu;
-    const auto profile = profiles_.nearest(place.cast<float>());
-    if (!profile || layers_.thick_mm[*profile] <= 0.0F) return kNoLimitHu;
+    constexpr float kBesideMm = 2.2F;  // Half a cell's diagonal.
+    auto profile = profiles_.over(place.cast<float>(), kBesideMm, layers_.thick_mm);
+    if (!profile) profile = profiles_.nearest(place.cast<float>());
+    if (!profile || layers_.thick_mm[*profile] <= 0.0F) return most_hu_in_rim(place);
     const double thick_mm = layers_.thick_mm[*profile];
     const Eigen::Vector3d inwards = profiles_.all()[*profile].inwards.cast<double>();
     const auto depth = depth_mm(place, inwards, thick_mm);
@@ -77,6 +82,16 @@ class Carving {
         !is_air_beneath(place, inwards, thick_mm - *depth))
       return kNoLimitHu;
     return depth ? kEdgeHu + kSkinHuPerMm * (*depth - thick_mm) : kNoLimitHu;
+  }
+
+  /// Where a sheet ends or has an edge its surface faces elsewhere, but it goes on as deep.
+  [[nodiscard]] double most_hu_in_rim(const Eigen::Vector3d& place) const {
+    constexpr float kRimMm = 4.5F;
+    const auto profile = profiles_.over(place.cast<float>(), kRimMm, sheet_mm_);
+    if (!profile) return kNoLimitHu;
+    const auto& over = profiles_.all()[*profile];
+    const double depth_mm = (place - over.place_mm.cast<double>()).dot(over.inwards.cast<double>());
+    return kEdgeHu + kSkinHuPerMm * (depth_mm - sheet_mm_[*profile]);
   }
 
   /// How deep a place lies beneath the outermost surface above it; negative: so far outside.
@@ -108,6 +123,7 @@ class Carving {
   const Volume& volume_;
   const SkinProfiles& profiles_;
   const ThinLayers& layers_;
+  std::vector<float> sheet_mm_;  ///< Of the layers that are sheets.
 };
 
 /// Nothing is taken off where `settled` is.

@@ -173,27 +173,55 @@ std::vector<std::size_t> SkinProfiles::beside(std::size_t profile) const {
   return found;
 }
 
-std::optional<std::size_t> SkinProfiles::nearest(const Eigen::Vector3f& place_mm) const {
-  constexpr int kReach = 2;
+template <class Visit>
+void SkinProfiles::for_each_near(const Eigen::Vector3f& place_mm,
+                                 int reach,
+                                 const Visit& visit) const {
   const Eigen::Vector3i middle = (place_mm / static_cast<float>(kCellMm)).cast<int>();
-  std::optional<std::size_t> found;
-  float least = 1e9F;
-  for (int dz = -kReach; dz <= kReach; ++dz) {
-    for (int dy = -kReach; dy <= kReach; ++dy) {
-      for (int dx = -kReach; dx <= kReach; ++dx) {
+  for (int dz = -reach; dz <= reach; ++dz) {
+    for (int dy = -reach; dy <= reach; ++dy) {
+      for (int dx = -reach; dx <= reach; ++dx) {
         const auto number = at({middle.x() + dx, middle.y() + dy, middle.z() + dz});
-        if (number < 0) continue;
-        const auto& profile = profiles_[static_cast<std::size_t>(number)];
-        const Eigen::Vector3f off_mm = place_mm - profile.place_mm;
-        // Depth counts half: a place lies beneath the surface that it is across from.
-        const float through_mm = off_mm.dot(profile.inwards);
-        const float off = off_mm.squaredNorm() - 0.5F * through_mm * through_mm;
-        if (off >= least) continue;
-        least = off;
-        found = static_cast<std::size_t>(number);
+        if (number >= 0) visit(static_cast<std::size_t>(number));
       }
     }
   }
+}
+
+std::optional<std::size_t> SkinProfiles::nearest(const Eigen::Vector3f& place_mm) const {
+  constexpr int kReach = 2;
+  std::optional<std::size_t> found;
+  float least = 1e9F;
+  for_each_near(place_mm, kReach, [&](std::size_t i) {
+    const Eigen::Vector3f off_mm = place_mm - profiles_[i].place_mm;
+    // Depth counts half: a place lies beneath the surface that it is across from.
+    const float through_mm = off_mm.dot(profiles_[i].inwards);
+    const float off = off_mm.squaredNorm() - 0.5F * through_mm * through_mm;
+    if (off >= least) return;
+    least = off;
+    found = i;
+  });
+  return found;
+}
+
+std::optional<std::size_t> SkinProfiles::over(const Eigen::Vector3f& place_mm,
+                                              float beside_mm,
+                                              const std::vector<float>& thick_mm) const {
+  constexpr int kReach = 2;
+  constexpr float kOutsideMm = 2.0F;
+  constexpr float kBeneathMm = 0.7F;
+  std::optional<std::size_t> found;
+  float least = beside_mm * beside_mm;
+  for_each_near(place_mm, kReach, [&](std::size_t i) {
+    if (thick_mm[i] <= 0.0F) return;
+    const Eigen::Vector3f off_mm = place_mm - profiles_[i].place_mm;
+    const float through_mm = off_mm.dot(profiles_[i].inwards);
+    if (through_mm < -kOutsideMm || through_mm > thick_mm[i] + kBeneathMm) return;
+    const float beside = off_mm.squaredNorm() - through_mm * through_mm;
+    if (beside >= least) return;
+    least = beside;
+    found = i;
+  });
   return found;
 }
 

@@ -42,6 +42,11 @@ class SkinProfiles {
   [[nodiscard]] std::vector<std::size_t> beside(std::size_t profile) const;
   /// The one whose surface is nearest to a place, none farther than about 6 mm.
   [[nodiscard]] std::optional<std::size_t> nearest(const Eigen::Vector3f& place_mm) const;
+  /// Of those over a place, no farther beside it than this and no higher over it than their
+  /// `thick_mm`, the one least beside it.
+  [[nodiscard]] std::optional<std::size_t> over(const Eigen::Vector3f& place_mm,
+                                                float beside_mm,
+                                                const std::vector<float>& thick_mm) const;
   /// The voxels of the cells of some profiles.
   [[nodiscard]] BitMask voxels_of(const std::vector<std::size_t>& profiles,
                                   const Volume& volume) const;
@@ -51,6 +56,8 @@ class SkinProfiles {
   using Voxels = std::vector<std::array<int, 3>>;
 
   std::vector<Voxels> sorted_surface(const Volume& volume, const BitMask& solid);
+  template <class Visit>
+  void for_each_near(const Eigen::Vector3f& place_mm, int reach, const Visit& visit) const;
   [[nodiscard]] std::size_t place_of(const Cell& cell) const;
   [[nodiscard]] std::int32_t at(const Cell& cell) const;
   void smooth();

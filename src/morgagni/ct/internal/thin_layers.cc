@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "morgagni/ct/internal/laid_sheet.h"
+#include "morgagni/ct/internal/lifted_sheet.h"
+
 namespace mor::internal {
 namespace {
 
@@ -20,13 +23,6 @@ constexpr float kDenseHu = 150.0F;
 constexpr float kMostFoamHu = -760.0F;
 constexpr float kLeastFoamHu = -960.0F;
 
-struct Place {
-  float lifted_mm = 0.0F;  ///< Thickness of what has air beneath it; 0: nothing has.
-  float light_mm = 0.0F;   ///< Of a light layer that lies on the skin.
-  float most_hu = 0.0F;    ///< Of the layer.
-  float outside_hu = 0.0F;
-};
-
 bool is_like_skin(float hu) {
   return hu > kLightHu && hu < kDenseHu;
 }
@@ -41,7 +37,7 @@ float depth_mm(const SkinProfile& profile, int step, float hu) {
   return static_cast<float>(SkinProfile::kStepMm) * (static_cast<float>(step - 1) + share);
 }
 
-void see_lifted(const SkinProfile& profile, Place& place) {
+void see_lifted(const SkinProfile& profile, SurfacePlace& place) {
   constexpr int kLast = static_cast<int>(kThinMm / SkinProfile::kStepMm);
   place.most_hu = profile.at(0);
   for (int step = 1; step <= kLast; ++step) {
@@ -88,7 +84,7 @@ SecondStep second_step(const SkinProfile& profile, int first) {
   return step;
 }
 
-void see_light(const SkinProfile& profile, Place& place) {
+void see_light(const SkinProfile& profile, SurfacePlace& place) {
   constexpr float kLightestHu = -420.0F;
   constexpr int kLast = 6;
   constexpr float kSkinShare = 0.67F;  // As much of the way as -300 HU are from air to skin.
@@ -112,15 +108,6 @@ float share_of(std::vector<float> values, double share) {
   return *nth;
 }
 
-/// A lifted sheet, as it is in the middle of its places.
-struct Sheet {
-  float thick_mm = 0.0F;
-  float most_hu = 0.0F;
-  float outside_hu = 0.0F;
-  std::vector<float> outer_hu;  ///< Of its outer half, step by step from the crossing.
-  std::vector<std::size_t> places;
-};
-
 class Search {
  public:
   explicit Search(const SkinProfiles& profiles)
@@ -134,16 +121,18 @@ class Search {
     }
     found_.thick_mm.resize(places_.size());
     found_.is_lifted.resize(places_.size());
+    found_.is_sheet.resize(places_.size());
     found_.unknown_mm.resize(places_.size());
   }
 
   ThinLayers run() {
     find_lifted();
     find_light();
-    for (const Sheet& sheet : sheets_) follow(sheet);
+    for (const LiftedSheet& sheet : sheets_)
+      if (!is_skin_like(sheet)) follow(sheet);
     fill_gaps();
-    for (const Sheet& sheet : sheets_) doubt_around(sheet);
-    for (const Sheet& sheet : like_skin_) doubt_around(sheet);
+    for (const LiftedSheet& sheet : sheets_) doubt_around(sheet);
+    for (const LiftedSheet& sheet : like_skin_) doubt_around(sheet);
     return std::move(found_);
   }
 
@@ -209,28 +198,32 @@ class Search {
     const bool is_even = most_mm - share(places, 0.1, thick) <= kMostUnevenMm &&
                          (most_hu - least_hu <= kMostUnevenHu || least_hu >= kDenserThanEarsHu);
     if (!is_even && most_mm > kThinnerThanEarsMm && most_hu > kLighterThanEarsHu) return;
-    Sheet sheet = {share(places, 0.5, thick),
-                   share(places, 0.5, most),
-                   share(places, 0.5, [&](std::size_t i) { return places_[i].outside_hu; })};
-    const int num = 1 + static_cast<int>((0.5F * sheet.thick_mm + 0.25F) /
-                                         static_cast<float>(SkinProfile::kStepMm));
+    LiftedSheet sheet = {share(places, 0.5, thick),
+                         share(places, 0.5, most),
+                         share(places, 0.5, [&](std::size_t i) { return places_[i].outside_hu; }),
+                         is_even,
+                         area_mm2(places),
+                         {},
+                         {}};
+    const int num = 1 + static_cast<int>(sheet.thick_mm / static_cast<float>(SkinProfile::kStepMm));
     for (int step = 0; step < num; ++step)
-      sheet.outer_hu.push_back(
+      sheet.hu.push_back(
           share(places, 0.5, [&](std::size_t i) { return profiles_.all()[i].at(step); }));
     sheet.places = std::move(places);
-    if (cannot_be_followed(sheet)) {
-      like_skin_.push_back(std::move(sheet));
-      return;
+    if (is_skin_like(sheet)) {
+      auto told = sheet_places(profiles_, places_, sheet);
+      if (told.empty()) {
+        like_skin_.push_back(std::move(sheet));
+        return;
+      }
+      sheet.places = std::move(told);
     }
-    for (const std::size_t k : sheet.places) {
-      found_.thick_mm[k] = lifted_mm(k, sheet);
-      found_.is_lifted[k] = 1;
-    }
+    for (const std::size_t k : sheet.places) take(k, sheet, true);
     sheets_.push_back(std::move(sheet));
   }
 
-  /// As a tube's wall is: what of it lies on the skin would stay, and look like an ear.
-  [[nodiscard]] static bool cannot_be_followed(const Sheet& sheet) {
+  /// As a tube's wall is.
+  [[nodiscard]] static bool is_skin_like(const LiftedSheet& sheet) {
     return is_like_skin(sheet.most_hu) && !is_foam(sheet.outside_hu);
   }
 
@@ -247,23 +240,31 @@ class Search {
   }
 
   /// From where a sheet is lifted to where it lies on the skin.
-  void follow(const Sheet& sheet) {
+  void follow(const LiftedSheet& sheet) {
     std::vector<char> seen(places_.size());
     for (const std::size_t i : sheet.places) seen[i] = 1;
     for (const std::size_t start : sheet.places) {
       for (const std::size_t k : region(start, seen, [&](std::size_t from, std::size_t to) {
              return faces_alike(from, to) && goes_on(to, sheet);
            })) {
-        if (found_.thick_mm[k] != 0.0F) continue;
-        found_.is_lifted[k] = is_about(places_[k].lifted_mm, sheet.thick_mm, 0.7F) ? 1 : 0;
-        found_.thick_mm[k] = found_.is_lifted[k] != 0 ? lifted_mm(k, sheet) : sheet.thick_mm;
+        if (found_.thick_mm[k] == 0.0F)
+          take(k, sheet, is_about(places_[k].lifted_mm, sheet.thick_mm, 0.7F));
       }
     }
   }
 
-  /// Where it comes down to the skin some of the skin seems to be sheet.
-  [[nodiscard]] float lifted_mm(std::size_t i, const Sheet& sheet) const {
-    return std::min(places_[i].lifted_mm, sheet.thick_mm);
+  void take(std::size_t i, const LiftedSheet& sheet, bool is_lifted) {
+    found_.is_sheet[i] = 1;
+    found_.thick_mm[i] = sheet.thick_mm;
+    if (is_skin_like(sheet)) {
+      // Nothing of it is to hang on to an ear.
+      constexpr float kAllOfItMm = 0.4F;
+      if (places_[i].lifted_mm > 0.0F) found_.thick_mm[i] += kAllOfItMm;
+    } else if (is_lifted) {
+      found_.is_lifted[i] = 1;
+      // Where it comes down to the skin some of the skin seems to be sheet.
+      found_.thick_mm[i] = std::min(places_[i].lifted_mm, sheet.thick_mm);
+    }
   }
 
   static bool is_about(float value, float wanted, float most) {
@@ -276,9 +277,9 @@ class Search {
     return profiles_.all()[a].inwards.dot(profiles_.all()[b].inwards) >= kLeastCosine;
   }
 
-  [[nodiscard]] bool goes_on(std::size_t i, const Sheet& sheet) const {
+  [[nodiscard]] bool goes_on(std::size_t i, const LiftedSheet& sheet) const {
     constexpr float kSomethingBeneathMm = 1.5F;
-    const Place& place = places_[i];
+    const SurfacePlace& place = places_[i];
     if (place.lifted_mm > 0.0F && place.lifted_mm < sheet.thick_mm + kSomethingBeneathMm)
       return is_about(place.lifted_mm, sheet.thick_mm, 0.7F) &&
              is_about(
@@ -287,15 +288,15 @@ class Search {
     return looks_the_same(profiles_.all()[i], sheet);
   }
 
-  [[nodiscard]] static float tolerance_hu(const Sheet& sheet) {
+  [[nodiscard]] static float tolerance_hu(const LiftedSheet& sheet) {
     return std::max(25.0F, 0.2F * std::abs(sheet.most_hu));
   }
 
-  [[nodiscard]] static bool looks_the_same(const SkinProfile& profile, const Sheet& sheet) {
-    for (std::size_t step = 1; step < sheet.outer_hu.size(); ++step) {
+  [[nodiscard]] static bool looks_the_same(const SkinProfile& profile, const LiftedSheet& sheet) {
+    const std::size_t num = std::min(sheet.num_outer(), sheet.hu.size());
+    for (std::size_t step = 1; step < num; ++step) {
       const float most_hu = (step == 1 ? 2.0F : 1.0F) * tolerance_hu(sheet);
-      if (!is_about(profile.at(static_cast<int>(step)), sheet.outer_hu[step], most_hu))
-        return false;
+      if (!is_about(profile.at(static_cast<int>(step)), sheet.hu[step], most_hu)) return false;
     }
     return true;
   }
@@ -317,7 +318,7 @@ class Search {
   }
 
   /// Beside a sheet, where it comes down and is not seen any more.
-  void doubt_around(const Sheet& sheet) {
+  void doubt_around(const LiftedSheet& sheet) {
     constexpr int kSteps = 5;
     auto front = sheet.places;
     for (int step = 0; step < kSteps; ++step) {
@@ -336,9 +337,9 @@ class Search {
   }
 
   const SkinProfiles& profiles_;
-  std::vector<Place> places_;
-  std::vector<Sheet> sheets_;
-  std::vector<Sheet> like_skin_;  ///< That are left where they are.
+  std::vector<SurfacePlace> places_;
+  std::vector<LiftedSheet> sheets_;
+  std::vector<LiftedSheet> like_skin_;  ///< That are left where they are.
   ThinLayers found_;
 };
 

@@ -12,6 +12,7 @@ namespace mor::internal {
 struct ThinLayers {
   std::vector<float> thick_mm;    ///< How thick the layer is that is to be taken off; 0: none.
   std::vector<char> is_lifted;    ///< There is air beneath it.
+  std::vector<char> is_sheet;     ///< It is as thick all over, and ends with a rim.
   std::vector<float> unknown_mm;  ///< How thick a layer may go on here unseen; 0: none is near.
 };
 
@@ -21,10 +22,10 @@ struct ThinLayers {
 ///   or thinner, or lighter.
 /// - Light, on the skin: the HU rise in two steps, from air to cloth and from cloth to skin.
 /// - A lifted sheet followed to where it lies on the skin: as far as its outer half looks the same,
-///   or as far as the same foam lies outside of it.
+///   or as far as the same foam lies outside of it; one that has a skin's HU as far as it can be
+///   told from this skin (sheet_places()).
 ///
-/// A lifted sheet that has a skin's HU and no foam over it (a tube's wall, some shells) is left: it
-/// cannot be followed.
+/// One that cannot be told (a tube's wall, a shell as dense as the skin) is left.
 [[nodiscard]] ThinLayers thin_layers(const SkinProfiles& profiles);
 
 }  // namespace mor::internal

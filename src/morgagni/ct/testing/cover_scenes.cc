@@ -65,22 +65,23 @@ void transform_line(float* line, std::size_t stride, int num, double spacing_mm)
 }
 
 /// From each voxel to the nearest one of the mask, between their middles.
-std::vector<float> distance_mm(const BitMask& mask, const Volume& grid) {
-  const auto [nx, ny, nz] = grid.size;
-  std::vector<float> field(grid.num_voxels());
-  for_each(grid, [&](int x, int y, int z) {
-    field[grid.index(x, y, z)] = mask.test(x, y, z) ? 0.0F : kFarMm2;
+std::vector<float> distance_mm(const BitMask& mask, const Eigen::Vector3d& spacing_mm) {
+  const auto [nx, ny, nz] = mask.size();
+  const auto row = static_cast<std::size_t>(nx);
+  const std::size_t slice = row * static_cast<std::size_t>(ny);
+  std::vector<float> field(slice * static_cast<std::size_t>(nz), kFarMm2);
+  for_each_voxel(mask, [&](const std::array<int, 3>& voxel) {
+    field[slice * static_cast<std::size_t>(voxel[2]) + row * static_cast<std::size_t>(voxel[1]) +
+          static_cast<std::size_t>(voxel[0])] = 0.0F;
   });
-  const std::size_t row = grid.index(0, 1, 0);
-  const std::size_t slice = grid.index(0, 0, 1);
   tbb::parallel_for(0, nz, [&, nx = nx, ny = ny](int z) {
     float* first = field.data() + slice * static_cast<std::size_t>(z);
-    for (int y = 0; y < ny; ++y) transform_line(first + row * y, 1, nx, grid.spacing_mm.x());
-    for (int x = 0; x < nx; ++x) transform_line(first + x, row, ny, grid.spacing_mm.y());
+    for (int y = 0; y < ny; ++y) transform_line(first + row * y, 1, nx, spacing_mm.x());
+    for (int x = 0; x < nx; ++x) transform_line(first + x, row, ny, spacing_mm.y());
   });
   tbb::parallel_for(0, ny, [&, nx = nx, nz = nz](int y) {
     for (int x = 0; x < nx; ++x)
-      transform_line(field.data() + row * y + x, slice, nz, grid.spacing_mm.z());
+      transform_line(field.data() + row * y + x, slice, nz, spacing_mm.z());
   });
   tbb::parallel_for(
       std::size_t{0}, field.size(), [&](std::size_t i) { field[i] = std::sqrt(field[i]); });
@@ -266,6 +267,41 @@ double flesh_hu(const BareBody& bare, int x, int y, int z) {
   return most_hu < -500.0 ? 40.0 : std::min(most_hu, kMostHu);
 }
 
+BitMask farther_than(double least_mm, const BitMask& from, const Eigen::Vector3d& spacing_mm) {
+  const auto mm = distance_mm(from, spacing_mm);
+  BitMask far(from.size());
+  std::size_t i = 0;
+  for (int z = 0; z < far.size()[2]; ++z)
+    for (int y = 0; y < far.size()[1]; ++y)
+      for (int x = 0; x < far.size()[0]; ++x)
+        if (mm[i++] > least_mm) far.set_run(y, z, x, x + 1);
+  return far;
+}
+
+/// Beyond the scan's sides there is room for a sheet's bends: it must not be drawn through an ear
+/// that lies near to one.
+std::vector<float> from_hull_mm(const BareBody& bare) {
+  const Volume& ct = bare.volume;
+  const auto margin = [&](int axis) {
+    return static_cast<int>(std::ceil((kHullMm + 1.0) / ct.spacing_mm[axis]));
+  };
+  const int margin_x = margin(0);
+  const int margin_y = margin(1);
+  BitMask body({ct.size[0] + 2 * margin_x, ct.size[1] + 2 * margin_y, ct.size[2]});
+  for_each_voxel(bare.body, [&](const std::array<int, 3>& voxel) {
+    const int x = voxel[0] + margin_x;
+    body.set_run(voxel[1] + margin_y, voxel[2], x, x + 1);
+  });
+  const auto far_mm = distance_mm(farther_than(kHullMm, body, ct.spacing_mm), ct.spacing_mm);
+  std::vector<float> hull_mm(ct.num_voxels());
+  for_each(ct, [&](int x, int y, int z) {
+    const std::size_t row = static_cast<std::size_t>(z) * body.size()[1] + (y + margin_y);
+    hull_mm[ct.index(x, y, z)] =
+        static_cast<float>(kHullMm) - far_mm[row * body.size()[0] + (x + margin_x)];
+  });
+  return hull_mm;
+}
+
 }  // namespace
 
 BareBody bare_body(const Volume& ct) {
@@ -280,15 +316,8 @@ BareBody bare_body(const Volume& ct) {
   bare.body =
       internal::body_mask(bare.volume, internal::without_covers(bare.volume), {}, {}).value().body;
   bare.skin = internal::marching_cubes(bare.volume, bare.body, kThresholdHu);
-  bare.from_body_mm = distance_mm(bare.body, bare.volume);
-  BitMask far(ct.size);
-  for_each(ct, [&](int x, int y, int z) {
-    const bool is_at_side = x == 0 || y == 0 || x == ct.size[0] - 1 || y == ct.size[1] - 1;
-    const float mm = bare.from_body_mm[ct.index(x, y, z)];
-    if (mm > kHullMm || (is_at_side && mm > 0.0F)) far.set_run(y, z, x, x + 1);
-  });
-  bare.from_hull_mm = distance_mm(far, bare.volume);
-  for (float& mm : bare.from_hull_mm) mm = static_cast<float>(kHullMm) - mm;
+  bare.from_body_mm = distance_mm(bare.body, ct.spacing_mm);
+  bare.from_hull_mm = from_hull_mm(bare);
   return bare;
 }
 
