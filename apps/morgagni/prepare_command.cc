@@ -40,6 +40,7 @@ struct Arguments {
   bool check = false;
   std::vector<std::string> keep;
   std::vector<std::string> cut;
+  std::vector<std::string> take_off;
   SkinCheckOptions page;
   PrepareOptions options;
 };
@@ -81,15 +82,20 @@ void print_cut(const std::vector<CutPart>& cut) {
 }
 
 void print_doubts(const std::vector<SkinDoubt>& doubts) {
-  constexpr std::array<const char*, 3> kWhy = {"what lay on it was taken off",
+  constexpr std::array<const char*, 4> kWhy = {"what lay on it was taken off",
                                                "a thin layer was taken off it",
-                                               "a thin layer may lie on it, unseen"};
+                                               "a thin layer was taken off it, as you said",
+                                               "a thin layer may lie on it, unseen (--take-off)"};
   for (const auto& doubt : doubts) {
-    fmt::print("skin not certain: {:.0f} cm2 at the {}, by up to {:.1f} mm: {}\n",
-               doubt.area_cm2,
-               doubt.place,
-               doubt.up_to_mm,
-               kWhy[static_cast<std::size_t>(doubt.why)]);
+    fmt::print(
+        "skin not certain: {:.0f} cm2 at the {} ({:.0f},{:.0f},{:.0f}), by up to {:.1f} mm: {}\n",
+        doubt.area_cm2,
+        doubt.place,
+        doubt.middle_mm.x(),
+        doubt.middle_mm.y(),
+        doubt.middle_mm.z(),
+        doubt.up_to_mm,
+        kWhy[static_cast<std::size_t>(doubt.why)]);
   }
 }
 
@@ -178,6 +184,8 @@ std::filesystem::path folder_to_add(const Arguments& arguments) {
 void run(Arguments& arguments, bool has_folder) {
   auto& skin = arguments.options.skin;
   for (const auto& text : arguments.keep) skin.keep_mm.push_back(place_option("--keep", text));
+  for (const auto& text : arguments.take_off)
+    skin.take_off_mm.push_back(place_option("--take-off", text));
   for (const auto& text : arguments.cut) skin.cut_mm.push_back(place_option("--cut", text));
   if (arguments.list_series) return list_series(arguments.ct);
   if (!arguments.preview.empty()) return preview(arguments);
@@ -277,6 +285,13 @@ void add_prepare_command(CLI::App& app) {
           arguments->cut,
           "A place in something that stands out from the body and is cut off, for instance "
           "a tube; may be given several times")
+      ->expected(1)
+      ->take_all();
+  command
+      ->add_option("--take-off",
+                   arguments->take_off,
+                   "A place of the skin where a thin layer may go on unseen (doubtful_skin), that "
+                   "is taken off there; may be given several times")
       ->expected(1)
       ->take_all();
   auto& skin = arguments->options.skin;

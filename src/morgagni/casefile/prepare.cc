@@ -60,7 +60,8 @@ Json to_json(const PrepareOptions& options) {
             {"sub_sampling", skin.sub_sampling},
             {"gradation", skin.gradation},
             {"keep_mm", to_json(skin.keep_mm)},
-            {"cut_mm", to_json(skin.cut_mm)}}},
+            {"cut_mm", to_json(skin.cut_mm)},
+            {"take_off_mm", to_json(skin.take_off_mm)}}},
           {"bone",
            {{"threshold_hu", bone.threshold_hu},
             {"min_component_mm3", bone.min_component_mm3},
@@ -184,8 +185,8 @@ Json to_json(const std::vector<CutPart>& parts) {
 }
 
 Json to_json(const std::vector<SkinDoubt>& doubts) {
-  constexpr std::array<const char*, 3> kWhy = {
-      "cover taken off", "layer taken off", "layer may go on"};
+  constexpr std::array<const char*, 4> kWhy = {
+      "cover taken off", "layer taken off", "layer taken off on demand", "layer may go on"};
   Json list = Json::array();
   for (const auto& doubt : doubts)
     list.push_back({{"place", doubt.place},

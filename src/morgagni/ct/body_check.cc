@@ -67,19 +67,24 @@ BodyCheck::~BodyCheck() = default;
 
 Result<void> BodyCheck::find(const SkinOptions& options) {
   MOR_CHECK(options.check());
+  auto bare = options.take_off_mm == taken_off_mm_
+                  ? nullptr
+                  : std::make_unique<const internal::BareCt>(
+                        internal::bare_ct(coarse_, options.take_off_mm));
+  const internal::BareCt& seen = bare ? *bare : *bare_;
   auto found = std::make_unique<Found>();
   internal::BodyMaskOptions mask_options = {
       options.threshold_hu, options.upper_hu, options.closing_mm};
   const auto matter = internal::threshold(coarse_, options.threshold_hu, options.upper_hu);
   for (const auto& mark : options.keep_mm)
     if (internal::is_near(matter, mark, coarse_)) mask_options.keep_mm.push_back(mark);
-  MOR_TRY(found->mask, internal::body_mask(coarse_, bare_->volume, mask_options, {}));
+  MOR_TRY(found->mask, internal::body_mask(coarse_, seen.volume, mask_options, {}));
   // A mark may have lost its part to the body: that can only be told once the body is found.
   for (const auto& mark : options.cut_mm)
     if (internal::is_near(found->mask.found_standing_out, mark, coarse_))
       mask_options.cut_mm.push_back(mark);
   if (!mask_options.cut_mm.empty()) {
-    MOR_TRY(found->mask, internal::body_mask(coarse_, bare_->volume, mask_options, {}));
+    MOR_TRY(found->mask, internal::body_mask(coarse_, seen.volume, mask_options, {}));
   }
   found->options = options;
 
@@ -99,9 +104,11 @@ Result<void> BodyCheck::find(const SkinOptions& options) {
                               .color = kColors[found->parts.size() % kColors.size()]});
     }
   }
-  found->doubtful = internal::doubtful_skin(*bare_, mask.body, coarse_);
+  found->doubtful = internal::doubtful_skin(seen, mask.body, coarse_);
   found->labels = labels_of(found->voxels, coarse_);
   found_ = std::move(found);
+  if (bare) bare_ = std::move(bare);
+  taken_off_mm_ = options.take_off_mm;
   return {};
 }
 

@@ -14,6 +14,7 @@ struct SkinDoubt {
   enum class Why : std::uint8_t {
     kCoverTaken,  ///< A blanket, a cushion, a cast lay on it and was counted out.
     kLayerTaken,  ///< A thin layer lay on it and was taken off.
+    kTakenOff,    ///< The same, because somebody asked for it (SkinOptions::take_off_mm).
     kLayerLeft,   ///< A thin layer comes near: it may go on here, where nothing tells it from skin.
   };
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "morgagni/ct/acvd.h"
 #include "morgagni/ct/internal/body_mask.h"
 #include "morgagni/ct/internal/body_parts.h"
@@ -32,19 +34,32 @@ Result<void> SkinOptions::check() const {
   if (num_vertices < 100 || num_vertices > 1000000)
     return refuse("num_vertices must be in [100, 1000000], got " + std::to_string(num_vertices));
   constexpr std::size_t kMostMarks = 200;
-  for (const auto* marks : {&keep_mm, &cut_mm}) {
-    if (marks->size() > kMostMarks) return refuse("there are more than 200 marks to keep or cut");
+  for (const auto* marks : {&keep_mm, &cut_mm, &take_off_mm}) {
+    if (marks->size() > kMostMarks)
+      return refuse("there are more than 200 marks to keep, cut or take off");
     for (const auto& mark : *marks)
-      if (!mark.allFinite()) return refuse("a mark to keep or cut is no place");
+      if (!mark.allFinite()) return refuse("a mark to keep, cut or take off is no place");
   }
   return AcvdOptions{num_vertices, sub_sampling, gradation}.check();
 }
 
 namespace {
 
-internal::BareCt bare_ct(const Volume& volume, const Progress& progress) {
+Result<internal::BareCt> bare_ct(const Volume& volume,
+                                 const SkinOptions& options,
+                                 const Progress& progress) {
   if (progress) progress("covers", 0.0);
-  auto bare = internal::bare_ct(volume);
+  auto bare = internal::bare_ct(volume, options.take_off_mm);
+  for (const auto& mark : options.take_off_mm) {
+    if (bare.asked.size() == volume.size && internal::is_near(bare.asked, mark, volume)) continue;
+    return make_error(
+        ErrorCode::kInvalidArgument,
+        fmt::format("there is no thin layer to take off near ({:.1f}, {:.1f}, {:.1f}):"
+                    " give a place of a stretch where one may go on (doubtful_skin)",
+                    mark.x(),
+                    mark.y(),
+                    mark.z()));
+  }
   if (progress) progress("covers", 1.0);
   return bare;
 }
@@ -69,7 +84,7 @@ Result<BodyPreview> preview_body(const Volume& volume,
                                  const SkinOptions& options,
                                  const Progress& progress) {
   MOR_CHECK(options.check());
-  const auto bare = bare_ct(volume, progress);
+  MOR_TRY(const auto bare, bare_ct(volume, options, progress));
   MOR_TRY(const auto body,
           internal::body_mask(volume, bare.volume, body_options(options), progress));
   return preview_of(volume, bare, body);
@@ -79,7 +94,7 @@ Result<SkinSurfaces> extract_skin(const Volume& volume,
                                   const SkinOptions& options,
                                   const Progress& progress) {
   MOR_CHECK(options.check());
-  const auto bare = bare_ct(volume, progress);
+  MOR_TRY(const auto bare, bare_ct(volume, options, progress));
   MOR_TRY(const auto body,
           internal::body_mask(volume, bare.volume, body_options(options), progress));
   SkinSurfaces surfaces;

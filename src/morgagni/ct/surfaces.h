@@ -29,6 +29,9 @@ struct SkinOptions {
   std::vector<Eigen::Vector3d> keep_mm = {};
   /// Marks in what stands out from the body and is cut off all the same: a tube in the mouth.
   std::vector<Eigen::Vector3d> cut_mm = {};
+  /// Places of the skin where a thin layer may go on (SkinDoubt::Why::kLayerLeft): there it is
+  /// taken off, as thick as it is where it is seen.
+  std::vector<Eigen::Vector3d> take_off_mm = {};
 
   [[nodiscard]] Result<void> check() const;
 };

@@ -121,6 +121,55 @@ TEST(ExtractSkin, TakesClothOffAndSaysWhereItLay) {
   EXPECT_LT(doubt.middle_mm.y(), -10.0);
 }
 
+/// A trunk with a shell behind it that has its HU: it comes down to the skin from both sides.
+Volume trunk_on_shell() {
+  return make_volume(120, 0.9, [](const Eigen::Vector3d& place) {
+    const double trunk = 30.0 - std::hypot(place.x(), place.y());
+    const double behind_mm = 30.0 - 0.011 * place.x() * place.x();
+    const double shell = std::min(1.3 - std::abs(place.y() - behind_mm - 1.2), place.y() - 5.0);
+    return std::max(trunk, shell);
+  });
+}
+
+TEST(ExtractSkin, TakesALayerOffWhereAskedTo) {
+  const auto volume = trunk_on_shell();
+  auto options = kQuick;
+  const auto farthest_mm = [&](const SkinSurfaces& skin) {
+    float most = 0.0F;
+    for (const auto& vertex : skin.full.vertices)
+      if (std::abs(vertex.x()) < 5.0F) most = std::max(most, vertex.y());
+    return most;
+  };
+  const auto layer_left = [](const SkinSurfaces& skin) -> std::optional<Eigen::Vector3d> {
+    for (const auto& doubt : skin.preview.doubts)
+      if (doubt.why == SkinDoubt::Why::kLayerLeft && doubt.middle_mm.y() > 20.0)
+        return doubt.middle_mm;
+    return std::nullopt;
+  };
+  auto skin = extract_skin(volume, options, {});
+  ASSERT_TRUE(skin) << skin.error().message;
+  EXPECT_GT(farthest_mm(*skin), 31.5F);
+  // It lies on the skin farther than it is told at once: from both sides.
+  for (int ask = 0; ask < 3; ++ask) {
+    const auto place = layer_left(*skin);
+    if (!place) break;
+    options.take_off_mm.push_back(*place);
+    skin = extract_skin(volume, options, {});
+    ASSERT_TRUE(skin) << skin.error().message;
+  }
+  EXPECT_FALSE(options.take_off_mm.empty());
+  EXPECT_LT(farthest_mm(*skin), 30.6F);
+  const auto& doubts = skin->preview.doubts;
+  EXPECT_TRUE(std::any_of(doubts.begin(), doubts.end(), [](const SkinDoubt& doubt) {
+    return doubt.why == SkinDoubt::Why::kTakenOff;
+  }));
+  options.take_off_mm = {Eigen::Vector3d(0.0, -30.0, -50.0)};
+  const auto nothing = extract_skin(volume, options, {});
+  ASSERT_FALSE(nothing);
+  EXPECT_NE(nothing.error().message.find("no thin layer to take off near (0.0, -30.0, -50.0)"),
+            std::string::npos);
+}
+
 TEST(ExtractSkin, IsCertainOfABareBody) {
   const auto skin = extract_skin(trunk_in_cloth(0.0, -1000.0), kQuick, {});
   ASSERT_TRUE(skin) << skin.error().message;

@@ -101,7 +101,8 @@ Json SkinCheckDesk::slices_through(const Eigen::Vector3d& place_mm) const {
 }
 
 Json SkinCheckDesk::doubts_json() const {
-  constexpr std::array<const char*, 3> kWhy = {"cover_taken", "layer_taken", "layer_left"};
+  constexpr std::array<const char*, 4> kWhy = {
+      "cover_taken", "layer_taken", "taken_off", "layer_left"};
   Json doubts = Json::array();
   for (const auto& doubt : check_.doubts())
     doubts.push_back({{"place", doubt.place},
@@ -162,6 +163,31 @@ Result<void> SkinCheckDesk::decide(SkinOptions& skin, const Json& json) const {
   return {};
 }
 
+/// One layer that is left taken off, or one that was taken off so put back.
+Result<void> SkinCheckDesk::take_off(SkinOptions& skin, const Json& json) const {
+  MOR_TRY(const double number, api::number(json, "doubt"));
+  MOR_TRY(const bool off, api::truth(json, "take_off"));
+  MOR_TRY(const double version, api::number(json, "version"));
+  if (version != version_) return refuse("the parts have changed meanwhile: look again");
+  if (!(number >= 0.0 && number < static_cast<double>(check_.doubts().size())) ||
+      number != std::floor(number))
+    return refuse(fmt::format("there is no stretch {}", number));
+  const SkinDoubt& doubt = check_.doubts()[static_cast<std::size_t>(number)];
+  if (doubt.why != (off ? SkinDoubt::Why::kLayerLeft : SkinDoubt::Why::kTakenOff))
+    return refuse(off ? "only a layer that may go on unseen can be taken off"
+                      : "only a layer that was taken off on demand can be put back");
+  auto& marks = skin.take_off_mm;
+  if (off) {
+    marks.push_back(doubt.middle_mm);
+  } else if (!marks.empty()) {
+    marks.erase(std::min_element(
+        marks.begin(), marks.end(), [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+          return (a - doubt.middle_mm).norm() < (b - doubt.middle_mm).norm();
+        }));
+  }
+  return {};
+}
+
 Result<Json> SkinCheckDesk::change(const std::string& text) {
   MOR_CHECK(check_open());
   MOR_TRY(const Json json, api::parse_object(text));
@@ -169,6 +195,7 @@ Result<Json> SkinCheckDesk::change(const std::string& text) {
   MOR_TRY(skin.threshold_hu, api::number(json, "threshold_hu", skin.threshold_hu));
   MOR_TRY(skin.closing_mm, api::number(json, "closing_mm", skin.closing_mm));
   if (json.contains("part")) MOR_CHECK(decide(skin, json));
+  if (json.contains("doubt")) MOR_CHECK(take_off(skin, json));
   MOR_CHECK(find(skin));
   return state();
 }

@@ -41,6 +41,7 @@ class SkinCheckDesk {
   enum class Stage : std::uint8_t { kChecking, kPreparing, kDone, kFailed, kCancelled };
 
   [[nodiscard]] Result<void> decide(SkinOptions& skin, const api::Json& json) const;
+  [[nodiscard]] Result<void> take_off(SkinOptions& skin, const api::Json& json) const;
   [[nodiscard]] Result<void> find(const SkinOptions& skin);
   [[nodiscard]] Result<void> check_open() const;
   [[nodiscard]] api::Json parts_json() const;

@@ -23,7 +23,7 @@ export interface Doubt {
   area_cm2: number;
   /** How far off the skin may be there. */
   up_to_mm: number;
-  why: 'cover_taken' | 'layer_taken' | 'layer_left';
+  why: 'cover_taken' | 'layer_taken' | 'taken_off' | 'layer_left';
   at: Record<Plane, number>;
 }
 
@@ -56,6 +56,13 @@ export interface Decision {
   version: number;
 }
 
+/** A thin layer that may go on unseen taken off there, or put back. */
+export interface TakeOff {
+  doubt: number;
+  take_off: boolean;
+  version: number;
+}
+
 async function asked(path: string, body?: unknown): Promise<Check> {
   const response = await fetch(path,
     body === undefined ? {} : { method: 'POST', body: JSON.stringify(body) });
@@ -66,7 +73,7 @@ async function asked(path: string, body?: unknown): Promise<Check> {
 
 export const api = {
   state: () => asked('/api/check'),
-  change: (change: Settings | Decision) => asked('/api/check/change', change),
+  change: (change: Settings | Decision | TakeOff) => asked('/api/check/change', change),
   use: () => asked('/api/check/use', {}),
   cancel: () => asked('/api/check/cancel', {}),
   slicePath: (plane: Plane, position: number, height: number, version: number) =>

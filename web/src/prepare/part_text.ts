@@ -20,6 +20,7 @@ export function sizeText({ volume_ml, size_mm }: Part): string {
 const WHY: Record<Doubt['why'], string> = {
   cover_taken: 'What lay on it was taken off',
   layer_taken: 'A thin layer was taken off it',
+  taken_off: 'You took a thin layer off it',
   layer_left: 'A thin layer may lie on it, unseen',
 };
 

@@ -1,25 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
 import { h } from '../dom';
-import type { Check, Decision, Doubt, Part, Plane } from './api';
+import type { Check, Decision, Doubt, Part, Plane, TakeOff } from './api';
 import { doubtText, doubtTitle, placeText, sizeText } from './part_text';
-
-function doubtRows(doubts: Doubt[], onLook: (at: Record<Plane, number>) => void): HTMLElement[] {
-  if (doubts.length === 0) return [];
-  return [h('h2', {}, 'Skin that is not certain'),
-    h('p', { class: 'tip' }, 'Orange in the pictures. Look whether the outline follows the skin there. A layer that ',
-      'was taken off is in the list above: its switch puts it back. A higher threshold sheds light cloth.'),
-    ...doubts.map((doubt) => h('div', { class: 'part doubt' }, h('span', { class: 'swatch' }),
-      h('button', { type: 'button', class: 'what', title: 'Show the slices through it',
-        onclick: () => onLook(doubt.at) }, h('b', {}, doubtTitle(doubt)), h('span', {}, doubtText(doubt)))))];
-}
 
 /** What was cut off and what stands out, with a switch each, and where the skin is not certain. */
 export class PartsList {
   readonly element = h('div', { class: 'parts' });
   private version = -1;
 
-  constructor(private readonly onDecision: (decision: Decision) => void,
+  constructor(private readonly onDecision: (decision: Decision | TakeOff) => void,
     private readonly onLook: (at: Record<Plane, number>) => void) {}
 
   show(check: Check): void {
@@ -34,13 +24,36 @@ export class PartsList {
     this.element.replaceChildren(
       ...group('Cut off', 'Nothing of 1 ml or more lies beside the body.', false),
       ...group('Standing out, kept', 'Nothing stands out from the body.', true),
-      ...doubtRows(check.doubts, this.onLook));
+      ...this.doubtRows(check.doubts));
     if (focus) this.element.querySelector<HTMLElement>(`[data-part="${focus}"]`)?.focus();
   }
 
   /** One decision at a time: the list may be another one after it. */
   enable(on: boolean): void {
-    for (const key of this.element.querySelectorAll<HTMLButtonElement>('.switch')) key.disabled = !on;
+    for (const key of this.element.querySelectorAll<HTMLButtonElement>('.switch, .take-off')) key.disabled = !on;
+  }
+
+  private doubtRows(doubts: Doubt[]): HTMLElement[] {
+    if (doubts.length === 0) return [];
+    return [h('h2', {}, 'Skin that is not certain'),
+      h('p', { class: 'tip' }, 'Orange in the pictures. Look whether the outline follows the skin there. A layer that ',
+        'was taken off is in the list above: its switch puts it back. Where one was left and you see it, take it off.'),
+      ...doubts.map((doubt, i) => h('div', { class: 'part doubt' }, h('span', { class: 'swatch' }),
+        h('button', { type: 'button', class: 'what', title: 'Show the slices through it',
+          onclick: () => this.onLook(doubt.at) }, h('b', {}, doubtTitle(doubt)), h('span', {}, doubtText(doubt))),
+        ...this.takeOffKey(doubt, i)))];
+  }
+
+  private takeOffKey(doubt: Doubt, index: number): HTMLElement[] {
+    const off = doubt.why === 'layer_left';
+    if (!off && doubt.why !== 'taken_off') return [];
+    return [h('button', { type: 'button', class: 'take-off', 'data-part': `doubt-${index}`,
+      title: off ? `Take off up to ${doubt.up_to_mm.toFixed(1)} mm there` : 'As it was found',
+      onclick: () => {
+        this.enable(false);
+        this.onDecision({ doubt: index, take_off: off, version: this.version });
+      },
+    }, off ? 'Take off' : 'Put back')];
   }
 
   private row(part: Part, index: number): HTMLElement {

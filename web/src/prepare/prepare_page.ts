@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 import { h, setText } from '../dom';
 import { button, slider, Toast } from '../widgets';
-import { api, type Check, type Decision, type Settings } from './api';
+import { api, type Check, type Decision, type Settings, type TakeOff } from './api';
 import { BodyPane } from './body_pane';
 import { Latest } from './latest';
 import { volumeText } from './part_text';
@@ -79,7 +79,7 @@ export class PreparePage {
     this.sending.ask();
   }
 
-  private async change(change: Settings | Decision): Promise<void> {
+  private async change(change: Settings | Decision | TakeOff): Promise<void> {
     try {
       this.show(await api.change(change));
     } catch (error) {

@@ -116,13 +116,17 @@ DoubtfulSkin doubtful_skin(const BareCt& bare, const BitMask& body, const Volume
   DoubtfulSkin found = {{}, BitMask(volume.size)};
   if (bare.cover.size() != volume.size) return found;
   const Surface surface(body, volume);
-  const BitMask layer = surface.in(bare.layer);
+  BitMask layer = surface.in(bare.layer);
   BitMask cover = surface.in(bare.cover);
   cover.subtract(layer);
   BitMask unknown = surface.in(bare.unknown);
   unknown.subtract(layer);
   unknown.subtract(cover);
-  surface.add(layer, SkinDoubt::Why::kLayerTaken, kUnderLayerMm, found);
+  BitMask asked = layer;
+  asked &= bare.asked;
+  layer.subtract(asked);
+  surface.add(std::move(asked), SkinDoubt::Why::kTakenOff, kUnderLayerMm, found);
+  surface.add(std::move(layer), SkinDoubt::Why::kLayerTaken, kUnderLayerMm, found);
   surface.add(std::move(cover), SkinDoubt::Why::kCoverTaken, kUnderCoverMm, found);
   surface.add(std::move(unknown), SkinDoubt::Why::kLayerLeft, bare.most_unknown_mm, found);
   std::sort(found.stretches.begin(),

@@ -18,13 +18,15 @@ constexpr double kLeastPatchMm2 = 300.0;
 constexpr float kLeastSmooth = 0.88F;
 /// Where it lies on skin its HU differ from where it is lifted by up to this.
 constexpr float kFirstHu = 25.0F;
-constexpr float kStrictestHu = 16.0F;
+constexpr float kStrictestHu = 12.0F;
 constexpr float kStepHu = 4.0F;
+constexpr float kLastStartHu = 20.0F;  ///< By then noise does not make it grow any more.
 constexpr float kLoosestHu = 36.0F;
 /// What hardly touches the body is told from it by other means (body_mask()).
 constexpr double kLeastLaid = 0.25;
-/// By so much its area may grow from step to step.
+/// By so much its area may grow from step to step; at first, out of the noise, by more.
 constexpr double kMostGrowth = 1.08;
+constexpr double kMostFirstGrowth = 1.12;
 
 class Search {
  public:
@@ -55,8 +57,9 @@ class Search {
     for (float most_hu = kStrictestHu + kStepHu; most_hu <= kLoosestHu; most_hu += kStepHu) {
       auto more = found(most_hu);
       const double more_mm2 = laid_area_mm2(more);
-      if (more_mm2 > kMostGrowth * laid_mm2) break;
-      is_told = true;
+      const bool is_steady = more_mm2 <= (is_told ? kMostGrowth : kMostFirstGrowth) * laid_mm2;
+      if (!is_steady && (is_told || most_hu >= kLastStartHu)) break;
+      is_told = is_steady;
       all = std::move(more);
       laid_mm2 = more_mm2;
     }
@@ -86,7 +89,9 @@ class Search {
 
   /// Whether skin elsewhere looks as the sheet does.
   [[nodiscard]] bool looks_like_skin(const std::vector<std::size_t>& taken) const {
-    constexpr double kMostAlike = 0.3;
+    constexpr double kMostAlike = 0.2;
+    constexpr float kAlikeHu = 16.0F;
+    constexpr double kMostOfAll = 0.6;  // Or nothing is left to compare it with.
     std::vector<char> is_taken(places_.size());
     for (const std::size_t i : taken) is_taken[i] = 1;
     double all_mm2 = 0.0;
@@ -95,9 +100,10 @@ class Search {
       if (is_taken[i] != 0 || places_[i].lifted_mm > 0.0F) continue;
       const double area_mm2 = profiles_.all()[i].area_mm2;
       all_mm2 += area_mm2;
-      if (off_hu(i, last_) <= kStrictestHu) alike_mm2 += area_mm2;
+      if (off_hu(i, last_) <= kAlikeHu) alike_mm2 += area_mm2;
     }
-    return alike_mm2 > kMostAlike * all_mm2;
+    return alike_mm2 > kMostAlike * all_mm2 ||
+           laid_area_mm2(taken) > kMostOfAll / (1.0 - kMostOfAll) * all_mm2;
   }
 
   /// By how much a place differs from the sheet, down to a step. In its inner half it may be

@@ -152,14 +152,20 @@ void note_unknown(const SkinProfiles& profiles,
 
 }  // namespace
 
-Peeled peel(Volume& volume, const BitMask& cover) {
+Peeled peel(Volume& volume, const BitMask& cover, const std::vector<Eigen::Vector3d>& take_off_mm) {
   constexpr int kMostLayers = 2;
   constexpr double kNearMm = 3.0;
   const BitMask settled = dilated(cover, kNearMm, volume.spacing_mm);
-  Peeled peeled = {false, BitMask(volume.size), BitMask(volume.size)};
+  Peeled peeled = {false, BitMask(volume.size), BitMask(volume.size), BitMask(volume.size)};
+  std::vector<Eigen::Vector3f> asked_mm;
+  const Eigen::Isometry3d grid_from_ct = volume.ct_from_grid.inverse();
+  for (const auto& place_mm : take_off_mm)
+    asked_mm.emplace_back((grid_from_ct * place_mm).cast<float>());
   for (int layer = 0; layer < kMostLayers; ++layer) {
     const SkinProfiles profiles(volume, solid_of(volume));
-    ThinLayers layers = thin_layers(profiles);
+    ThinLayers layers = thin_layers(profiles, asked_mm);
+    peeled.asked |= profiles.voxels_of(layers.asked, volume);
+    if (!layers.asked.empty()) asked_mm.clear();
     leave(settled, profiles, volume, layers);
     note_unknown(profiles, layers.unknown_mm, volume, peeled);
     if (std::all_of(

@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <vector>
+
+#include <Eigen/Core>
+
 #include "morgagni/ct/internal/bit_mask.h"
 #include "morgagni/geometry/volume.h"
 
@@ -11,6 +15,7 @@ namespace mor::internal {
 struct Peeled {
   bool found_any = false;
   BitMask taken;                 ///< What was made air.
+  BitMask asked;                 ///< Surface where it was taken off because somebody asked for it.
   BitMask unknown;               ///< Surface near to a layer that may go on unseen.
   double most_unknown_mm = 0.0;  ///< How thick that may be.
 };
@@ -20,6 +25,9 @@ struct Peeled {
 /// @cost 0.3 s of CPU for a head, 1 s for 512x512x138.
 ///
 /// @param cover  What was taken off before: beneath it the skin is where uncovered() has put it.
-[[nodiscard]] Peeled peel(Volume& volume, const BitMask& cover);
+/// @param take_off_mm  SkinOptions::take_off_mm.
+[[nodiscard]] Peeled peel(Volume& volume,
+                          const BitMask& cover,
+                          const std::vector<Eigen::Vector3d>& take_off_mm);
 
 }  // namespace mor::internal

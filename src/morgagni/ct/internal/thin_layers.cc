@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "morgagni/ct/internal/laid_sheet.h"
 #include "morgagni/ct/internal/lifted_sheet.h"
@@ -125,14 +126,15 @@ class Search {
     found_.unknown_mm.resize(places_.size());
   }
 
-  ThinLayers run() {
+  ThinLayers run(const std::vector<Eigen::Vector3f>& take_off_mm) {
     find_lifted();
     find_light();
     for (const LiftedSheet& sheet : sheets_)
       if (!is_skin_like(sheet)) follow(sheet);
     fill_gaps();
-    for (const LiftedSheet& sheet : sheets_) doubt_around(sheet);
-    for (const LiftedSheet& sheet : like_skin_) doubt_around(sheet);
+    for (const LiftedSheet& sheet : sheets_) doubt_around(sheet.places, sheet.thick_mm);
+    for (const LiftedSheet& sheet : like_skin_) doubt_around(sheet.places, sheet.thick_mm);
+    for (const auto& place_mm : take_off_mm) take_stretch_at(place_mm);
     return std::move(found_);
   }
 
@@ -318,9 +320,9 @@ class Search {
   }
 
   /// Beside a sheet, where it comes down and is not seen any more.
-  void doubt_around(const LiftedSheet& sheet) {
+  void doubt_around(const std::vector<std::size_t>& places, float thick_mm) {
     constexpr int kSteps = 5;
-    auto front = sheet.places;
+    auto front = places;
     for (int step = 0; step < kSteps; ++step) {
       std::vector<std::size_t> next;
       for (const std::size_t i : front) {
@@ -328,12 +330,52 @@ class Search {
           if (found_.unknown_mm[k] > 0.0F || found_.thick_mm[k] > 0.0F ||
               places_[k].lifted_mm > 0.0F)
             continue;
-          found_.unknown_mm[k] = sheet.thick_mm;
+          found_.unknown_mm[k] = thick_mm;
           next.push_back(k);
         }
       }
       front = std::move(next);
     }
+  }
+
+  /// As somebody asked for.
+  void take_stretch_at(const Eigen::Vector3f& place_mm) {
+    const auto start = nearest_unknown(place_mm);
+    if (!start) return;
+    std::vector<char> seen(places_.size());
+    const auto stretch = region(
+        *start, seen, [&](std::size_t, std::size_t to) { return found_.unknown_mm[to] > 0.0F; });
+    for (const LiftedSheet& sheet : like_skin_) {
+      const bool touches =
+          std::any_of(sheet.places.begin(), sheet.places.end(), [&](std::size_t i) {
+            const auto near = profiles_.beside(i);
+            return std::any_of(
+                near.begin(), near.end(), [&](std::size_t k) { return seen[k] != 0; });
+          });
+      if (!touches) continue;
+      for (const std::size_t i : sheet.places) take(i, sheet, true);
+    }
+    const float thick_mm = found_.unknown_mm[*start];
+    for (const std::size_t i : stretch) {
+      found_.is_sheet[i] = 1;
+      found_.thick_mm[i] = found_.unknown_mm[i];
+      found_.unknown_mm[i] = 0.0F;
+    }
+    found_.asked.insert(found_.asked.end(), stretch.begin(), stretch.end());
+    doubt_around(stretch, thick_mm);  // It may go on: they can ask again.
+  }
+
+  [[nodiscard]] std::optional<std::size_t> nearest_unknown(const Eigen::Vector3f& place_mm) const {
+    constexpr float kMostMm = 6.0F;  // Two cells.
+    std::optional<std::size_t> nearest;
+    float least = kMostMm * kMostMm;
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      const float off = (profiles_.all()[i].place_mm - place_mm).squaredNorm();
+      if (found_.unknown_mm[i] <= 0.0F || off > least) continue;
+      least = off;
+      nearest = i;
+    }
+    return nearest;
   }
 
   const SkinProfiles& profiles_;
@@ -345,8 +387,9 @@ class Search {
 
 }  // namespace
 
-ThinLayers thin_layers(const SkinProfiles& profiles) {
-  return Search(profiles).run();
+ThinLayers thin_layers(const SkinProfiles& profiles,
+                       const std::vector<Eigen::Vector3f>& take_off_mm) {
+  return Search(profiles).run(take_off_mm);
 }
 
 }  // namespace mor::internal

@@ -10,10 +10,11 @@ namespace mor::internal {
 
 /// What of a surface is no skin, but a thin layer: over it, or lifted off it. Of each profile.
 struct ThinLayers {
-  std::vector<float> thick_mm;    ///< How thick the layer is that is to be taken off; 0: none.
-  std::vector<char> is_lifted;    ///< There is air beneath it.
-  std::vector<char> is_sheet;     ///< It is as thick all over, and ends with a rim.
-  std::vector<float> unknown_mm;  ///< How thick a layer may go on here unseen; 0: none is near.
+  std::vector<float> thick_mm;     ///< How thick the layer is that is to be taken off; 0: none.
+  std::vector<char> is_lifted;     ///< There is air beneath it.
+  std::vector<char> is_sheet;      ///< It is as thick all over, and ends with a rim.
+  std::vector<float> unknown_mm;   ///< How thick a layer may go on here unseen; 0: none is near.
+  std::vector<std::size_t> asked;  ///< Where one was taken off because somebody asked for it.
 };
 
 /// Looks for layers whose profile no skin has.
@@ -26,6 +27,10 @@ struct ThinLayers {
 ///   told from this skin (sheet_places()).
 ///
 /// One that cannot be told (a tube's wall, a shell as dense as the skin) is left.
-[[nodiscard]] ThinLayers thin_layers(const SkinProfiles& profiles);
+/// @param take_off_mm  Places, as SkinProfile::place_mm: the whole stretch of `unknown_mm` nearest
+/// to
+///                     each is taken off, with the lifted sheet that it comes of.
+[[nodiscard]] ThinLayers thin_layers(const SkinProfiles& profiles,
+                                     const std::vector<Eigen::Vector3f>& take_off_mm = {});
 
 }  // namespace mor::internal

@@ -239,12 +239,14 @@ Volume uncovered(const Volume& volume, const BitMask& cover) {
   return Uncovering(volume, cover).run();
 }
 
-BareCt bare_ct(const Volume& volume) {
+BareCt bare_ct(const Volume& volume, const std::vector<Eigen::Vector3d>& take_off_mm) {
   const auto covers = foreign_matter(volume);
   if (!covers) return {};
   BareCt bare;
   Volume peeled = covers->count() > 0 ? uncovered(volume, *covers) : volume;
-  auto layers = peel(peeled, *covers);
+  auto layers = peel(peeled, *covers, take_off_mm);
+  constexpr double kAskedMm = 6.0;  // The surface lies deeper now.
+  bare.asked = dilated(layers.asked, kAskedMm, volume.spacing_mm);
   bare.unknown = dilated(layers.unknown, kSkinMm, volume.spacing_mm);
   bare.most_unknown_mm = layers.most_unknown_mm;
   bare.cover = dilated(*covers, kSkinMm, volume.spacing_mm);

@@ -3,6 +3,9 @@
 #pragma once
 
 #include <optional>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include "morgagni/ct/internal/bit_mask.h"
 #include "morgagni/geometry/volume.h"
@@ -24,11 +27,14 @@ struct BareCt {
   std::optional<Volume> volume;  ///< None: nothing lies on the body.
   BitMask cover;                 ///< What foreign_matter() finds.
   BitMask layer;                 ///< Thin layers that were taken off (peel()).
+  BitMask asked;                 ///< Where one was taken off because somebody asked for it.
   BitMask unknown;               ///< Surface where a thin layer may go on unseen.
   double most_unknown_mm = 0.0;  ///< ... of at most this thickness.
 };
 
-[[nodiscard]] BareCt bare_ct(const Volume& volume);
+/// @param take_off_mm  SkinOptions::take_off_mm.
+[[nodiscard]] BareCt bare_ct(const Volume& volume,
+                             const std::vector<Eigen::Vector3d>& take_off_mm = {});
 
 /// The volume of it alone.
 [[nodiscard]] std::optional<Volume> without_covers(const Volume& volume);
