@@ -90,7 +90,7 @@ struct SimulatedCamera::Impl {
              chosen.distance_mm.value_or(fitting_distance_mm(skin->bounds(), camera)),
              chosen.path,
              chosen.seed),
-        views(skin, chosen.distance_mm, chosen.seed),
+        views(skin, chosen.distance_mm, chosen.seed, chosen.walk_mm),
         scene(*skin,
               camera,
               chosen.seed,

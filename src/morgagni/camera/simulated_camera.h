@@ -53,6 +53,9 @@ struct SimulatedCameraOptions {
   /// [hold] 1..1000: with path=views a hand holds the camera at each place for so many frames and
   /// drifts slowly, while the clutter stays as it is.
   std::uint64_t frames_a_view = 1;
+  /// [walk] 10..1000: in place of the drift, the hand goes so far to one side, level, at 100 mm/s
+  /// on average, and looks on at the same place: what somebody does who is told to show more.
+  std::optional<double> walk_mm = std::nullopt;
   SimulatedClutter clutter =
       SimulatedClutter::kNone;  ///< [clutter] none | hand | towel | parts | all.
   double bias_mm = 0.0;  ///< [bias] 0..20: systematic depth error, root mean square at 800 mm, of a

@@ -14,6 +14,8 @@ using internal::KeyValue;
 
 constexpr std::uint64_t kMaxFrames = 1'000'000'000;
 constexpr std::uint64_t kMaxFramesAView = 1000;
+constexpr double kLeastWalkMm = 10.0;
+constexpr double kMostWalkMm = 1000.0;
 constexpr double kMaxBiasMm = 20.0;
 constexpr double kMaxFocalErrorPercent = 5.0;
 constexpr double kMaxExposureSwing = 0.6;
@@ -39,6 +41,8 @@ Result<bool> set_camera(const KeyValue& pair, SimulatedCameraOptions& options) {
     options.path = static_cast<SimulatedPath>(choice);
   } else if (pair.key == "hold") {
     MOR_TRY(options.frames_a_view, internal::parse_count(pair, 1, kMaxFramesAView));
+  } else if (pair.key == "walk") {
+    MOR_TRY(options.walk_mm, internal::parse_number(pair, kLeastWalkMm, kMostWalkMm));
   } else if (pair.key == "frames") {
     MOR_TRY(options.num_frames, internal::parse_count(pair, 0, kMaxFrames));
   } else if (pair.key == "speed") {
@@ -101,6 +105,7 @@ Result<SimulatedCameraOptions> SimulatedCameraOptions::parse(std::string_view te
                                   "distance",
                                   "path",
                                   "hold",
+                                  "walk",
                                   "clutter",
                                   "bias",
                                   "focal",
@@ -123,6 +128,9 @@ Result<void> SimulatedCameraOptions::check() const {
   }
   if (frames_a_view < 1 || frames_a_view > kMaxFramesAView) {
     return outside("hold", static_cast<double>(frames_a_view), 1, kMaxFramesAView);
+  }
+  if (walk_mm && !(*walk_mm >= kLeastWalkMm && *walk_mm <= kMostWalkMm)) {
+    return outside("walk", *walk_mm, kLeastWalkMm, kMostWalkMm);
   }
   if (!(bias_mm >= 0.0 && bias_mm <= kMaxBiasMm)) return outside("bias", bias_mm, 0, kMaxBiasMm);
   if (!(std::abs(focal_error_percent) <= kMaxFocalErrorPercent)) {

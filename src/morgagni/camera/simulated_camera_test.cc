@@ -85,6 +85,7 @@ TEST(SimulatedCameraOptions, NameTheBadKeyOrValueAndWhatIsAllowed) {
   EXPECT_THAT(error_of("distance=60 cm"), HasSubstr("distance must be in"));
   EXPECT_THAT(error_of("path=spiral"),
               HasSubstr("one of orbit, sway, still, views, pass, sweep, got 'spiral'"));
+  EXPECT_THAT(error_of("walk=5"), HasSubstr("walk must be in [10, 1000], got '5'"));
   EXPECT_THAT(error_of("hold=0"), HasSubstr("hold must be in [1, 1000], got '0'"));
   EXPECT_THAT(error_of("clutter=cat"),
               HasSubstr("one of none, hand, towel, parts, all, got 'cat'"));

@@ -139,6 +139,23 @@ TEST(ViewPlaces, DriftInAHand) {
   EXPECT_GT(num_turned, 150);
 }
 
+TEST(ViewPlaces, WalkToOneSideAndLookOnAtTheSamePlace) {
+  const auto skin = open_body();
+  const ViewPlaces drifting(skin, std::nullopt, 5);
+  const ViewPlaces views(skin, std::nullopt, 5, 300.0);
+  for (std::uint64_t id = 0; id < 50; ++id) {
+    const auto first = views.ct_from_camera(id);
+    EXPECT_TRUE(first.isApprox(drifting.ct_from_camera(id), 0.0));
+    const auto last = views.ct_from_camera(id, 3.0);
+    const Eigen::Vector3d shift = last.translation() - first.translation();
+    EXPECT_NEAR(shift.norm(), 300.0, 0.1);
+    EXPECT_NEAR(shift.y(), 0.0, 0.1) << "level";
+    EXPECT_LT(off_axis_rad(*skin, last), 0.25);
+    const auto soon = views.ct_from_camera(id, 1.6);
+    EXPECT_LT((soon.translation() - views.ct_from_camera(id, 1.4).translation()).norm(), 35.0);
+  }
+}
+
 TEST(ViewPlaces, LookDownOnABodyThatNoRayMeets) {
   auto skin = std::make_shared<TriangleMesh>();
   skin->vertices = {{0, 0, 0}, {100, 0, 0}, {0, 0, 100}};

@@ -47,6 +47,25 @@ Eigen::Isometry3d looking(const Vector3d& eye, const Vector3d& forward, double r
   return ct_from_camera;
 }
 
+/// How far from where it began, of all the way there and back again.
+double way_share(double held_s, double period_s) {
+  return 0.5 - 0.5 * std::cos(kTurnRad * held_s / period_s);
+}
+
+/// `held` after a while on its way to one side, level; it looks on at the point at `distance_mm`.
+Eigen::Isometry3d walked(
+    const Eigen::Isometry3d& held, double distance_mm, double held_s, double walk_mm, Draws draw) {
+  const Vector3d forward = held.linear().col(2);
+  const Vector3d across = forward.cross(Vector3d::UnitY());
+  const Vector3d level = across.norm() > 1e-3 ? across.normalized() : Vector3d(Vector3d::UnitX());
+  const double side = draw(-1.0, 1.0) < 0.0 ? -1.0 : 1.0;
+  const double share = way_share(held_s, 2.0 * walk_mm / ViewPlaces::kWalkMmPerS);
+  const Vector3d shift_mm = held.linear().transpose() * (side * share * walk_mm * level);
+  const Vector3d to_target = Vector3d(0.0, 0.0, distance_mm) - shift_mm;
+  return held * Eigen::Translation3d(shift_mm) *
+         Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), to_target);
+}
+
 /// `held` after a while in a hand: drifted about the point at `distance_mm` before the camera.
 Eigen::Isometry3d drifted(const Eigen::Isometry3d& held,
                           double distance_mm,
@@ -55,7 +74,7 @@ Eigen::Isometry3d drifted(const Eigen::Isometry3d& held,
   const double up = draw(-1.0, 1.0);
   const double azimuth_rad = draw(0.0, kTurnRad);
   const double level = std::sqrt(1.0 - up * up);
-  const double share = 0.5 - 0.5 * std::cos(kTurnRad * held_s / kDriftPeriodS);
+  const double share = way_share(held_s, kDriftPeriodS);
   const Vector3d shift_mm =
       share * draw(kLeastDriftMm, kMostDriftMm) *
       Vector3d(level * std::cos(azimuth_rad), level * std::sin(azimuth_rad), up);
@@ -76,10 +95,12 @@ Eigen::Isometry3d drifted(const Eigen::Isometry3d& held,
 
 ViewPlaces::ViewPlaces(std::shared_ptr<const TriangleMesh> skin,
                        std::optional<double> distance_mm,
-                       std::uint64_t seed)
+                       std::uint64_t seed,
+                       std::optional<double> walk_mm)
     : skin_(std::move(skin)),
       distance_mm_(distance_mm),
       seed_(seed),
+      walk_mm_(walk_mm),
       bounds_(skin_->bounds().cast<double>()) {}
 
 /// Moller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997, for every
@@ -132,7 +153,9 @@ Eigen::Isometry3d ViewPlaces::ct_from_camera(std::uint64_t view, double held_s) 
   const Eigen::Isometry3d held = aimed * Eigen::AngleAxisd(pan_rad, Vector3d::UnitY()) *
                                  Eigen::AngleAxisd(tilt_rad, Vector3d::UnitX());
   if (held_s <= 0.0) return held;
-  return drifted(held, distance_mm, held_s, Draws(scramble(counter + 1)));
+  const Draws of_hand(scramble(counter + 1));
+  return walk_mm_ ? walked(held, distance_mm, held_s, *walk_mm_, of_hand)
+                  : drifted(held, distance_mm, held_s, of_hand);
 }
 
 }  // namespace mor::internal

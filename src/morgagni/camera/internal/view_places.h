@@ -21,18 +21,22 @@ namespace mor::internal {
 ///
 /// A hand holds the camera at such a place and drifts: within 1.5 s by 50 to 100 mm in any
 /// direction while it keeps what it looks at in view, but for up to 5 degrees of pan, tilt and roll
-/// each: mostly 4 to 14 degrees in all. After 3 s it is where it was.
+/// each: mostly 4 to 14 degrees in all. After 3 s it is where it was. Or it walks: to one side and
+/// back, level, about the place looked at.
 class ViewPlaces {
  public:
   static constexpr double kLeastElevationRad = 0.2618;
   static constexpr double kNearestMm = 500.0;
   static constexpr double kFarthestMm = 1200.0;
+  static constexpr double kWalkMmPerS = 100.0;
 
   /// @param skin  Frame ct, LPS, supine: up is -y.
   /// @param distance_mm  From camera to skin in place of a random one.
+  /// @param walk_mm  How far the hand goes, at kWalkMmPerS on average, in place of the drift.
   ViewPlaces(std::shared_ptr<const TriangleMesh> skin,
              std::optional<double> distance_mm,
-             std::uint64_t seed);
+             std::uint64_t seed,
+             std::optional<double> walk_mm = std::nullopt);
 
   /// The camera at place number `view`, `held_s` seconds after the hand came there. The same for
   /// the same seed. @threads Safe to call from many at once.
@@ -47,6 +51,7 @@ class ViewPlaces {
   std::shared_ptr<const TriangleMesh> skin_;
   std::optional<double> distance_mm_;
   std::uint64_t seed_;
+  std::optional<double> walk_mm_;
   Eigen::AlignedBox3d bounds_;
 };
 

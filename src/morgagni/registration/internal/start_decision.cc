@@ -15,18 +15,19 @@ constexpr double kFloatingCost = 1.0;
 constexpr double kHiddenCost = 0.02;
 
 // Each of these refuses a pose alone. How they were found: docs/automatic-start.md.
-constexpr double kMostFloating = 0.4;  ///< Of what agrees.
+constexpr double kMostFloating = 0.2;  ///< Of what agrees.
 constexpr double kLeastHold = 5e-5;    ///< Share of the skin's area times firmness.
 constexpr double kLeastPatches = 2.0;
 constexpr double kMostUnevenMm = 1.15;        ///< In a picture, whatever its sensor's errors.
-constexpr double kMostUnevenEvenedMm = 0.35;  ///< In the mean of several, without any noise,
-constexpr double kMostUnevenNoise = 0.42;     ///< and what a reading's noise adds to it.
+constexpr double kMostUnevenEvenedMm = 0.33;  ///< In the mean of several, without any noise,
+constexpr double kMostUnevenNoise = 0.39;     ///< and what a reading's noise adds to it,
+constexpr double kMostUnevenSeenMm = 0.64;    ///< up to where wrong poses begin.
 constexpr double kMostlyAgrees = 0.85;        ///< Of what nothing hides,
 constexpr double kHardlyAgrees = 0.35;        ///< or from here down.
 constexpr double kRunnerUpDoubt = 0.4;        ///< What a runner-up of equal evidence weighs.
 constexpr double kTriesDoubt = 0.05;          ///< Where it is not the first picture.
-constexpr double kMostDoubt = 0.75;           ///< All together.
-constexpr double kMostDoubtEvened = 0.7;      ///< In the mean of several: there were several tries.
+constexpr double kMostDoubt = 0.6;            ///< All together.
+constexpr double kMostDoubtEvened = 0.75;     ///< In the mean of several: there were several tries.
 constexpr double kMostMirrored = 1.0;         ///< Where it fits as well, the CT may be mirrored.
 
 struct Doubts {
@@ -53,8 +54,9 @@ double open_share(const SkinAgreement& look) {
 /// In the mean of several pictures right poses and wrong ones are farther apart: a steeper doubt.
 double uneven_doubt(const SkinAgreement& look) {
   if (look.noise_share >= 1.0) return std::pow(look.uneven_mm / kMostUnevenMm, 2);
-  const double most_mm =
-      std::hypot(kMostUnevenEvenedMm, kMostUnevenNoise * look.noise_share * look.noise_mm);
+  const double most_mm = std::min(
+      kMostUnevenSeenMm,
+      std::hypot(kMostUnevenEvenedMm, kMostUnevenNoise * look.noise_share * look.noise_mm));
   return std::pow(look.uneven_mm / most_mm, 4);
 }
 

@@ -269,7 +269,7 @@ Result<StartFinder::Findings> StartFinder::find_all(const StartRecall& recall,
                           const SearchEffort& effort) -> Result<bool> {
     MOR_CHECK(find_on_each(picture, seen, planes, effort, findings.here, stop));
     if (!recall.views.are_several()) return passes(findings.here, recall.num_searched);
-    auto all = recall.findings;
+    auto all = findings.together.empty() ? recall.findings : std::move(findings.together);
     all.insert(all.end(), findings.here.begin(), findings.here.end());
     findings.together = judge_together(recall.views, std::move(all));
     if (passes(findings.together, recall.num_searched)) return true;
@@ -295,6 +295,7 @@ void StartFinder::take_in(ImageView<const std::uint16_t> depth_mm, StartRecall& 
   for (auto& finding : recall.findings) {
     finding.ct_from_depth = finding.ct_from_depth * *last_from_newest;
     finding.on_plane = finding.on_plane * *last_from_newest;
+    finding.is_judged = false;
   }
   ++recall.num_searched;
 }
@@ -323,7 +324,8 @@ Result<AutomaticStartResult> StartFinder::find_next(ImageView<const std::uint16_
                                                     StartRecall& recall,
                                                     const std::stop_token& stop) const {
   take_in(depth_mm, recall);
-  auto findings = find_all(recall, recall.num_searched % 2 == 0, stop);
+  const bool searches_wide = recall.num_searched > 1 && recall.num_searched % 2 == 1;
+  auto findings = find_all(recall, searches_wide, stop);
   auto result =
       findings ? decide(recall, findings->judged(), stop) : tl::unexpected<Error>(findings.error());
   if (!result) {

@@ -47,8 +47,8 @@ class StartFinder {
   /// In one picture.
   [[nodiscard]] Result<AutomaticStartResult> find(ImageView<const std::uint16_t> depth_mm,
                                                   const std::stop_token& stop) const;
-  /// In the next one of several. The wide search, which takes most of the time, is left to every
-  /// second picture: what the narrow one finds there may settle it first.
+  /// In the next one of several. The wide search, which takes most of the time, is left to the
+  /// third and every second one after it: what the narrow one finds there may settle it first.
   [[nodiscard]] Result<AutomaticStartResult> find_next(ImageView<const std::uint16_t> depth_mm,
                                                        StartRecall& recall,
                                                        const std::stop_token& stop) const;

@@ -21,7 +21,8 @@ struct StartFinding {
   double foot_ct_mm = 0.0;                            ///< That plane's height along it, frame ct.
   std::shared_ptr<const StartScene> scene;            ///< What stands on the plane it was found on.
   SkinAgreement agreement;
-  double score = 0.0;  ///< Larger is better; comparable among findings of one step.
+  double score = 0.0;      ///< Larger is better; comparable among findings of one step.
+  bool is_judged = false;  ///< `agreement` is what all pictures so far say together.
 };
 
 /// The plane that the finding was found on, frame depth.

@@ -4,17 +4,9 @@
 
 #include <vector>
 
-#include <Eigen/Geometry>
-
 #include "morgagni/registration/internal/start_picture.h"
 
 namespace mor::internal {
-
-/// Another picture of the same still scene.
-struct OtherPicture {
-  const StartPicture* picture = nullptr;
-  Eigen::Isometry3d other_from_this = Eigen::Isometry3d::Identity();
-};
 
 /// The picture, each reading the mean of what all of them measured at its place: less noise from
 /// the same place. What another one sees there on another surface does not count.

@@ -81,21 +81,32 @@ std::vector<StartFinding> StartFinder::judge_together(const SeenViews& views,
   for (auto& finding : findings) finding.score = trust(finding.agreement);
   keep_best(findings, kMostLookedAt, kTwinShare * extent_mm_, bounds_);
   tbb::parallel_for(std::size_t{0}, findings.size(), [&](std::size_t i) {
-    refine_together(views, standing, findings[i]);
     StartFinding& finding = findings[i];
+    if (finding.is_judged) {
+      finding.score = believed_evidence(finding.agreement);
+      return;
+    }
+    const Eigen::Isometry3d as_found = finding.ct_from_depth;
+    const double trusted = finding.score;
+    refine_together(views, standing, finding);
+    finding.is_judged = true;
     finding.agreement = look_at(views, &SeenView::picture, finding.ct_from_depth);
     finding.score = believed_evidence(finding.agreement);
-    if (trust(finding.agreement) < kHopeless) return;
-    const Eigen::Isometry3d close = refine_on_plane(fixed_->field,
-                                                    standing,
-                                                    finding.ct_from_depth,
-                                                    {finding.up_ct, 3.0, 0.02},
-                                                    close_round(noise_at(finding.ct_from_depth)));
-    const auto agreement = look_at(views, &SeenView::picture, close);
-    if (believed_evidence(agreement) <= finding.score) return;
-    finding.ct_from_depth = close;
-    finding.agreement = agreement;
-    finding.score = believed_evidence(agreement);
+    const auto fit_closely = [&](const Eigen::Isometry3d& pose) {
+      const Eigen::Isometry3d close = refine_on_plane(fixed_->field,
+                                                      standing,
+                                                      pose,
+                                                      {finding.up_ct, 3.0, 0.02},
+                                                      close_round(noise_at(pose)));
+      const auto agreement = look_at(views, &SeenView::picture, close);
+      if (believed_evidence(agreement) <= finding.score) return;
+      finding.ct_from_depth = close;
+      finding.agreement = agreement;
+      finding.score = believed_evidence(agreement);
+    };
+    if (trust(finding.agreement) >= kHopeless) fit_closely(finding.ct_from_depth);
+    // A towel that hugs the skin may have drawn a pose away that was right in its own picture.
+    if (trust(finding.agreement) <= 0.0 && trusted > kHopeless) fit_closely(as_found);
   });
   keep_best(findings, findings.size(), kSameShare * extent_mm_, bounds_);
   if (findings.empty() || margin(findings[0].agreement, 0.0, 2) > 0.0) return findings;
@@ -180,6 +191,7 @@ void StartFinder::search_around(const StartPicture& picture,
                                             close_round(noise_mm));
     finding.agreement = verifier_.look(picture, planes, finding.ct_from_depth, kLookToleranceMm);
     finding.score = believed_evidence(finding.agreement);
+    finding.is_judged = false;
   });
   findings.insert(findings.end(), around.begin(), around.end());
 }
@@ -205,6 +217,7 @@ Result<double> StartFinder::mirrored_share(const SeenViews& views,
       newest.picture, newest.planes, mirrored({plane_of(finding)}), kFirstEffort, found, stop));
   if (views.are_several()) {
     found.push_back(finding);
+    found.back().is_judged = false;
     found.back().ct_from_depth = mirrored(finding.ct_from_depth, bounds_.center());
     found.back().on_plane = mirrored(finding.on_plane, bounds_.center());
     found.back().up_ct.x() = -finding.up_ct.x();

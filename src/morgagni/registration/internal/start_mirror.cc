@@ -45,7 +45,8 @@ SeenViews mirrored(const SeenViews& views) {
                       mirrored(view.picture),
                       mirrored(view.planes),
                       mirrored(view.standing),
-                      mirrored(view.newest_from_this, Eigen::Vector3d::Zero())});
+                      mirrored(view.newest_from_this, Eigen::Vector3d::Zero()),
+                      view.age});
   }
   return SeenViews(std::move(others));
 }

@@ -25,6 +25,7 @@ constexpr float kLeastFacing = 0.2F;
 constexpr std::size_t kLeastPairs = 300;
 /// Tukey's scale of each round, and how many steps it takes at the most.
 constexpr std::array<std::pair<float, int>, 3> kRounds{{{50.0F, 12}, {20.0F, 8}, {8.0F, 8}}};
+constexpr int kLastSteps = 3;  ///< With all pictures.
 constexpr double kStopMm = 0.02;
 /// Turns are weighed by what they move at this distance from the middle of what is seen.
 constexpr double kArmMm = 300.0;
@@ -59,26 +60,31 @@ struct Quadratic {
   std::size_t num_close = 0;  ///< Of those, near enough to be the same surface.
 };
 
-Quadratic linearize(const StartPicture& earlier,
-                    const std::vector<Point>& points,
-                    const Eigen::Isometry3d& earlier_from_later,
-                    const Eigen::Vector3f& middle,
-                    float scale_mm) {
-  Quadratic sum;
-  const Eigen::Isometry3f motion = earlier_from_later.cast<float>();
-  const auto fx = static_cast<float>(earlier.camera.focal_x_px);
-  const auto fy = static_cast<float>(earlier.camera.focal_y_px);
-  const auto cx = static_cast<float>(earlier.camera.center_x_px);
-  const auto cy = static_cast<float>(earlier.camera.center_y_px);
+/// Adds the pairs with one picture to the sums; the motion is from the later picture's frame to
+/// the one that `earlier` is seen from.
+void add_pairs(const OtherPicture& earlier,
+               const std::vector<Point>& points,
+               const Eigen::Isometry3d& motion,
+               const Eigen::Vector3f& middle,
+               float scale_mm,
+               Quadratic& sum) {
+  const StartPicture& picture = *earlier.picture;
+  const Eigen::Isometry3f move = motion.cast<float>();
+  const Eigen::Isometry3f there = earlier.other_from_this.cast<float>();
+  const auto fx = static_cast<float>(picture.camera.focal_x_px);
+  const auto fy = static_cast<float>(picture.camera.focal_y_px);
+  const auto cx = static_cast<float>(picture.camera.center_x_px);
+  const auto cy = static_cast<float>(picture.camera.center_y_px);
   for (const auto& [at, normal_later] : points) {
-    const Eigen::Vector3f p = motion * at;
-    if (p.z() < 1.0F) continue;
-    const int x = static_cast<int>(std::floor(fx * p.x() / p.z() + cx + 0.5F));
-    const int y = static_cast<int>(std::floor(fy * p.y() / p.z() + cy + 0.5F));
-    if (!earlier.z_mm.view().contains(x, y) || earlier.z_mm(x, y) <= 0.0F) continue;
-    const Eigen::Vector3f normal = motion.linear() * normal_later;
-    const float off_mm = normal.dot(earlier.point(x, y) - p);
-    const float noise_mm = axial_noise_mm(p.z());
+    const Eigen::Vector3f p = move * at;
+    const Eigen::Vector3f q = there * p;
+    if (q.z() < 1.0F) continue;
+    const int x = static_cast<int>(std::floor(fx * q.x() / q.z() + cx + 0.5F));
+    const int y = static_cast<int>(std::floor(fy * q.y() / q.z() + cy + 0.5F));
+    if (!picture.z_mm.view().contains(x, y) || picture.z_mm(x, y) <= 0.0F) continue;
+    const Eigen::Vector3f normal = move.linear() * normal_later;
+    const float off_mm = (there.linear() * normal).dot(picture.point(x, y) - q);
+    const float noise_mm = axial_noise_mm(q.z());
     ++sum.num_pairs;
     if (std::abs(off_mm) < 3.0F * noise_mm + 2.0F) ++sum.num_close;
     const float ratio = off_mm / (scale_mm + 2.0F * noise_mm);
@@ -91,30 +97,42 @@ Quadratic linearize(const StartPicture& earlier,
     sum.information += weight * row * row.transpose();
     sum.gradient += weight * static_cast<double>(off_mm) * row;
   }
-  return sum;
+}
+
+/// One step's twist.
+Vector6d solved(const Quadratic& sum) {
+  return (sum.information + 1e-6 * Matrix6d::Identity()).ldlt().solve(sum.gradient);
+}
+
+/// The twist's turn is about `middle`, in arms.
+Eigen::Isometry3d moved(const Vector6d& twist,
+                        const Eigen::Vector3f& middle,
+                        const Eigen::Isometry3d& motion) {
+  const Eigen::Translation3d from_middle(middle.cast<double>());
+  Vector6d turn = Vector6d::Zero();
+  turn.head<3>() = twist.head<3>() / kArmMm;
+  return orthonormalized(Eigen::Translation3d(twist.tail<3>()) * from_middle * se3_exp(turn) *
+                         from_middle.inverse() * motion);
 }
 
 }  // namespace
 
 std::optional<Eigen::Isometry3d> camera_motion(const StartPicture& earlier,
-                                               const StartPicture& later) {
+                                               const StartPicture& later,
+                                               const std::vector<OtherPicture>& others) {
   const std::vector<Point> points = points_of(later);
   if (points.size() < kLeastPairs) return std::nullopt;
   Eigen::Vector3f middle = Eigen::Vector3f::Zero();
   for (const auto& point : points) middle += point.at / static_cast<float>(points.size());
-  const Eigen::Translation3d from_middle(middle.cast<double>());
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
   Quadratic sum;
   for (const auto& [scale_mm, max_steps] : kRounds) {
     for (int step = 0; step < max_steps; ++step) {
-      sum = linearize(earlier, points, motion, middle, scale_mm);
+      sum = {};
+      add_pairs({&earlier}, points, motion, middle, scale_mm, sum);
       if (sum.num_pairs < kLeastPairs) return std::nullopt;
-      const Vector6d twist =
-          (sum.information + 1e-6 * Matrix6d::Identity()).ldlt().solve(sum.gradient);
-      Vector6d turn = Vector6d::Zero();
-      turn.head<3>() = twist.head<3>() / kArmMm;
-      motion = orthonormalized(Eigen::Translation3d(twist.tail<3>()) * from_middle * se3_exp(turn) *
-                               from_middle.inverse() * motion);
+      const Vector6d twist = solved(sum);
+      motion = moved(twist, middle, motion);
       if (twist.norm() < kStopMm) break;
     }
   }
@@ -123,6 +141,14 @@ std::optional<Eigen::Isometry3d> camera_motion(const StartPicture& earlier,
   const bool is_explained =
       static_cast<double>(sum.num_close) > kLeastExplained * static_cast<double>(sum.num_pairs);
   if (!is_sure || !is_explained) return std::nullopt;
+  for (int step = 0; !others.empty() && step < kLastSteps; ++step) {
+    sum = {};
+    add_pairs({&earlier}, points, motion, middle, kRounds.back().first, sum);
+    for (const auto& other : others) {
+      add_pairs(other, points, motion, middle, kRounds.back().first, sum);
+    }
+    motion = moved(solved(sum), middle, motion);
+  }
   return motion;
 }
 

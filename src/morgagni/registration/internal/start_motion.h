@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -17,11 +18,16 @@ namespace mor::internal {
 /// (Blais & Levine, "Registering multiview range data to create 3D computer objects", 1995), with
 /// Tukey's kernel annealed: good for motions of some 50 mm and 6 degrees.
 ///
+/// @param others  Pictures before the earlier one, as seen from there: they hold the last steps
+/// too,
+///        so that errors do not add up from picture to picture.
 /// @return earlier_from_later. None where too little of the later picture is seen in the earlier
 ///         one where it should be, or what is seen does not settle the motion (a bare
 ///         table).
 /// @cost About 10 ms.
-[[nodiscard]] std::optional<Eigen::Isometry3d> camera_motion(const StartPicture& earlier,
-                                                             const StartPicture& later);
+[[nodiscard]] std::optional<Eigen::Isometry3d> camera_motion(
+    const StartPicture& earlier,
+    const StartPicture& later,
+    const std::vector<OtherPicture>& others = {});
 
 }  // namespace mor::internal

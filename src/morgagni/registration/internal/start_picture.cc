@@ -18,6 +18,27 @@ constexpr int kMaxBlock = 6;
 constexpr float kBlockReach = 0.015F;
 constexpr float kSurfaceReach = 0.012F;  ///< Likewise, of neighbours within 2 px.
 constexpr int kMinNormalPoints = 6;
+/// A reading belongs to a surface if so many of the eight around it are as near to it as this.
+constexpr int kLeastNeighbours = 4;
+constexpr float kNeighbourReach = 0.03F;
+
+/// Drops readings that belong to no surface: at outlines a sensor's stray sideways.
+void drop_strays(Image<float>& z_mm) {
+  const Image<float> all = z_mm;
+  for (int y = 0; y < all.height(); ++y) {
+    for (int x = 0; x < all.width(); ++x) {
+      const float z = all(x, y);
+      if (z <= 0.0F) continue;
+      int count = -1;  // Itself is one of the nine.
+      for (int v = std::max(0, y - 1); v <= std::min(all.height() - 1, y + 1); ++v) {
+        for (int u = std::max(0, x - 1); u <= std::min(all.width() - 1, x + 1); ++u) {
+          if (std::abs(all(u, v) - z) <= kNeighbourReach * z) ++count;
+        }
+      }
+      if (count < kLeastNeighbours) z_mm(x, y) = 0.0F;
+    }
+  }
+}
 
 }  // namespace
 
@@ -144,6 +165,7 @@ StartPicture StartPictureMaker::make(ImageView<const std::uint16_t> depth_mm, fl
     }
     picture.z_mm.data()[i] = sum / num;
   }
+  drop_strays(picture.z_mm);
   picture.even_mm = evened(picture.z_mm);
   return picture;
 }

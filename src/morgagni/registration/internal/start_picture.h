@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "morgagni/core/image.h"
 #include "morgagni/geometry/pinhole_camera.h"
@@ -37,6 +37,12 @@ struct StartPicture {
   /// The unit normal, towards the camera, of the plane through the readings within `radius_mm` on
   /// the picture. None where they are few.
   [[nodiscard]] std::optional<Eigen::Vector3f> normal(int x, int y, float radius_mm) const;
+};
+
+/// Another picture of the same still scene.
+struct OtherPicture {
+  const StartPicture* picture = nullptr;
+  Eigen::Isometry3d other_from_this = Eigen::Isometry3d::Identity();
 };
 
 /// The mean of the readings in 5x5 pixels around each that lie on the same surface. In pairs about

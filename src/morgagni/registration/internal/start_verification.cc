@@ -26,17 +26,40 @@ constexpr float kNoises = 2.0F;
 constexpr float kWellMeasured = 0.6F;  ///< Misfit in tolerances.
 /// Skin is floating only if the camera looks past it by so many tolerances.
 constexpr float kFloatingTolerances = 1.2F;
+/// Skin whose neighbouring pixels differ by more than this share of their distance is at an
+/// outline.
+constexpr float kOutlineReach = 0.012F;
 
-/// The reading in the 3x3 pixels around (x, y) that comes nearest to `z`; 0 without any.
-float nearest_reading(const StartPicture& picture, int x, int y, float z) {
-  float nearest = 0.0F;
+/// The readings in the 3x3 pixels around one.
+struct ReadingsAround {
+  float nearest_mm = 0.0F;  ///< What comes nearest to the skin; 0 without any.
+  float least_mm = std::numeric_limits<float>::infinity();
+};
+
+ReadingsAround readings_around(const StartPicture& picture, int x, int y, float z) {
+  ReadingsAround around;
   for (int v = std::max(0, y - 1); v <= std::min(picture.z_mm.height() - 1, y + 1); ++v) {
     for (int u = std::max(0, x - 1); u <= std::min(picture.z_mm.width() - 1, x + 1); ++u) {
       const float reading = picture.z_mm(u, v);
-      if (reading > 0.0F && std::abs(reading - z) < std::abs(nearest - z)) nearest = reading;
+      if (reading <= 0.0F) continue;
+      around.least_mm = std::min(around.least_mm, reading);
+      if (std::abs(reading - z) < std::abs(around.nearest_mm - z)) around.nearest_mm = reading;
     }
   }
-  return nearest;
+  return around;
+}
+
+/// Whether the surface goes on over the pixels around (x, y). At an outline a sensor's readings
+/// stray sideways, and on skin that it grazes.
+bool goes_on(const Image<float>& expected_mm, int x, int y) {
+  const float z = expected_mm(x, y);
+  if (x < 1 || y < 1 || x + 1 >= expected_mm.width() || y + 1 >= expected_mm.height()) return false;
+  for (int v = y - 1; v <= y + 1; ++v) {
+    for (int u = x - 1; u <= x + 1; ++u) {
+      if (std::abs(expected_mm(u, v) - z) > kOutlineReach * z) return false;
+    }
+  }
+  return true;
 }
 
 void judge(float reading, float expected, float tolerance_mm, SkinAgreement& agreement) {
@@ -190,13 +213,17 @@ SkinAgreement StartVerifier::look(const StartPicture& picture,
     for (int x = 0; x < raster.depth_mm.width(); ++x) {
       const float expected = raster.depth_mm(x, y);
       if (expected <= 0.0F) continue;
-      const float reading = nearest_reading(picture, x, y, expected);
+      const auto [reading, least] = readings_around(picture, x, y, expected);
       if (reading <= 0.0F) continue;
       const float noise_mm = kNoises * axial_noise_mm(expected);
       if (is_in_large_plane(planes, picture.point_at(x, y, expected), kInPlaneMm + noise_mm)) {
         continue;
       }
-      judge(reading, expected, tolerance_mm + noise_mm, agreement);
+      // What looks past the skin beside something before it has strayed from there.
+      const bool is_beside = reading > expected && least < expected - tolerance_mm - noise_mm;
+      if (!is_beside && goes_on(raster.depth_mm, x, y)) {
+        judge(reading, expected, tolerance_mm + noise_mm, agreement);
+      }
       const float straight = picture.z_mm(x, y);
       if (straight <= 0.0F) continue;
       const float misfit = (straight - expected) / (tolerance_mm + noise_mm);

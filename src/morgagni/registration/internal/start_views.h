@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -23,9 +24,11 @@ struct SeenView {
   /// What is not in a large plane, spread evenly, in its own frame. Empty while it stands alone.
   PointCloud standing;
   Eigen::Isometry3d newest_from_this = Eigen::Isometry3d::Identity();
+  int age = 0;  ///< Pictures taken since.
 };
 
-/// The last pictures of a camera that moves about a scene that stands still, the newest at the end.
+/// The newest picture, at the end, and earlier ones of a camera that moves about a scene that
+/// stands still: those from places that differ most, as they show most.
 class SeenViews {
  public:
   static constexpr std::size_t kMostViews = 5;
@@ -49,6 +52,10 @@ class SeenViews {
   [[nodiscard]] PointCloud standing() const;
 
  private:
+  /// last_from_newest, where it is clear.
+  [[nodiscard]] std::optional<Eigen::Isometry3d> motion_to(const StartPicture& picture) const;
+  /// Of those before the newest, the one whose place is nearest to a later one's.
+  [[nodiscard]] std::ptrdiff_t least_needed() const;
   /// Averages the pictures at each one's place.
   void fuse(float body_extent_mm);
 
