@@ -56,7 +56,7 @@ function searchWords(search: Search | null): string {
     return 'Ambiguous: move the camera so that more of the body is seen.';
   }
   if (search?.last === 'not found') {
-    return 'Not found yet: show as much of the body as you can, from 50 to 100 cm.';
+    return 'Not found yet: move slowly around the body, 50 to 100 cm away, so that more of it is seen.';
   }
   return 'Searching: point the camera at the body.';
 }

@@ -27,7 +27,9 @@ constexpr double kHardlyAgrees = 0.35;        ///< or from here down.
 constexpr double kRunnerUpDoubt = 0.4;        ///< What a runner-up of equal evidence weighs.
 constexpr double kTriesDoubt = 0.05;          ///< Where it is not the first picture.
 constexpr double kMostDoubt = 0.6;            ///< All together.
-constexpr double kMostDoubtEvened = 0.75;     ///< In the mean of several: there were several tries.
+constexpr double kMostDoubtEvened = 0.75;     ///< In the mean of five,
+constexpr double kNoiseDoubt = 0.77;          ///< and less for what noise is left of more.
+constexpr double kLeastNoise = 0.447;         ///< Share left in the mean of five.
 constexpr double kMostMirrored = 1.0;         ///< Where it fits as well, the CT may be mirrored.
 
 struct Doubts {
@@ -123,8 +125,9 @@ double believed_evidence(const SkinAgreement& look) {
 }
 
 double margin(const SkinAgreement& look, double runner_up_share, std::size_t num_tries) {
-  const double most_doubt =
-      look.noise_share < 1.0 ? kMostDoubtEvened : kMostDoubt - (num_tries > 1 ? kTriesDoubt : 0.0);
+  const double most_doubt = look.noise_share < 1.0
+                                ? kMostDoubtEvened - kNoiseDoubt * (look.noise_share - kLeastNoise)
+                                : kMostDoubt - (num_tries > 1 ? kTriesDoubt : 0.0);
   return trust(look) - kRunnerUpDoubt * runner_up_share - (1.0 - most_doubt);
 }
 
