@@ -27,8 +27,8 @@ constexpr double kHardlyAgrees = 0.35;        ///< or from here down.
 constexpr double kRunnerUpDoubt = 0.4;        ///< What a runner-up of equal evidence weighs.
 constexpr double kTriesDoubt = 0.05;          ///< Where it is not the first picture.
 constexpr double kMostDoubt = 0.6;            ///< All together.
-constexpr double kMostDoubtEvened = 0.75;     ///< In the mean of five,
-constexpr double kNoiseDoubt = 0.77;          ///< and less for what noise is left of more.
+constexpr double kMostDoubtEvened = 0.7;      ///< In the mean of five,
+constexpr double kNoiseDoubt = 0.577;         ///< and less for what noise is left of more.
 constexpr double kLeastNoise = 0.447;         ///< Share left in the mean of five.
 constexpr double kMostMirrored = 1.0;         ///< Where it fits as well, the CT may be mirrored.
 
