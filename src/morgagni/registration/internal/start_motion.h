@@ -18,9 +18,8 @@ namespace mor::internal {
 /// (Blais & Levine, "Registering multiview range data to create 3D computer objects", 1995), with
 /// Tukey's kernel annealed: good for motions of some 50 mm and 6 degrees.
 ///
-/// @param others  Pictures before the earlier one, as seen from there: they hold the last steps
-/// too,
-///        so that errors do not add up from picture to picture.
+/// @param others  Pictures before the earlier one, as seen from there. They take part in the last
+///                steps, so that errors do not add up from picture to picture.
 /// @return earlier_from_later. None where too little of the later picture is seen in the earlier
 ///         one where it should be, or what is seen does not settle the motion (a bare
 ///         table).
