@@ -203,7 +203,7 @@ TEST(StartDecision, IsAmbiguousBesideAnotherPoseOrTheMirrorImage) {
 
 TEST(StartDecision, AsksMoreOfFurtherPictures) {
   SkinAgreement weak = good_look();
-  weak.uneven_mm = 0.78;
+  weak.uneven_mm = 0.86;
   EXPECT_EQ(decide_start({.look = weak, .num_tries = 1}).status, AutomaticStartStatus::kFound);
   EXPECT_EQ(decide_start({.look = weak, .num_tries = 2}).status, AutomaticStartStatus::kNotFound);
 }
