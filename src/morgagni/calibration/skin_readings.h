@@ -25,7 +25,7 @@ struct SkinReading {
   float z_mm = 0.0F;                                ///< Their mean.
 };
 
-/// One moment of the camera, reduced to what self-calibration uses: about 150 kB.
+/// One moment of the camera, reduced to what self-calibration uses: about 100 kB.
 struct SensedSkin {
   Eigen::Isometry3d ct_from_depth = Eigen::Isometry3d::Identity();  ///< As tracked.
   std::vector<SkinReading> readings;

@@ -145,16 +145,22 @@ Result<void> SkinCheckDesk::check_open() const {
   return refuse("the case is being made, or was cancelled: nothing can be changed any more");
 }
 
-/// One part kept or cut: its marks go into the options, or out of them.
-Result<void> SkinCheckDesk::decide(SkinOptions& skin, const Json& json) const {
-  MOR_TRY(const double number, api::number(json, "part"));
-  MOR_TRY(const bool keep, api::truth(json, "keep"));
+/// What `key` names of a list of so many, as long as the list is the one that was shown.
+Result<std::size_t> SkinCheckDesk::listed(const Json& json,
+                                          const char* key,
+                                          std::size_t size) const {
+  MOR_TRY(const double number, api::number(json, key));
   MOR_TRY(const double version, api::number(json, "version"));
   if (version != version_) return refuse("the parts have changed meanwhile: look again");
-  if (!(number >= 0.0 && number < static_cast<double>(check_.parts().size())) ||
-      number != std::floor(number))
-    return refuse(fmt::format("there is no part {}", number));
-  const auto index = static_cast<std::size_t>(number);
+  if (!(number >= 0.0 && number < static_cast<double>(size)) || number != std::floor(number))
+    return refuse(fmt::format("there is no {} {}", key, number));
+  return static_cast<std::size_t>(number);
+}
+
+/// One part kept or cut: its marks go into the options, or out of them.
+Result<void> SkinCheckDesk::decide(SkinOptions& skin, const Json& json) const {
+  MOR_TRY(const std::size_t index, listed(json, "part", check_.parts().size()));
+  MOR_TRY(const bool keep, api::truth(json, "keep"));
   const BodyPart& part = check_.parts()[index];
   auto& marks = part.stands_out ? skin.cut_mm : skin.keep_mm;
   std::erase_if(marks, [&](const Eigen::Vector3d& mark) { return check_.holds(index, mark); });
@@ -165,14 +171,9 @@ Result<void> SkinCheckDesk::decide(SkinOptions& skin, const Json& json) const {
 
 /// One layer that is left taken off, or one that was taken off so put back.
 Result<void> SkinCheckDesk::take_off(SkinOptions& skin, const Json& json) const {
-  MOR_TRY(const double number, api::number(json, "doubt"));
+  MOR_TRY(const std::size_t index, listed(json, "doubt", check_.doubts().size()));
   MOR_TRY(const bool off, api::truth(json, "take_off"));
-  MOR_TRY(const double version, api::number(json, "version"));
-  if (version != version_) return refuse("the parts have changed meanwhile: look again");
-  if (!(number >= 0.0 && number < static_cast<double>(check_.doubts().size())) ||
-      number != std::floor(number))
-    return refuse(fmt::format("there is no stretch {}", number));
-  const SkinDoubt& doubt = check_.doubts()[static_cast<std::size_t>(number)];
+  const SkinDoubt& doubt = check_.doubts()[index];
   if (doubt.why != (off ? SkinDoubt::Why::kLayerLeft : SkinDoubt::Why::kTakenOff))
     return refuse(off ? "only a layer that may go on unseen can be taken off"
                       : "only a layer that was taken off on demand can be put back");

@@ -40,6 +40,9 @@ class SkinCheckDesk {
  private:
   enum class Stage : std::uint8_t { kChecking, kPreparing, kDone, kFailed, kCancelled };
 
+  [[nodiscard]] Result<std::size_t> listed(const api::Json& json,
+                                           const char* key,
+                                           std::size_t size) const;
   [[nodiscard]] Result<void> decide(SkinOptions& skin, const api::Json& json) const;
   [[nodiscard]] Result<void> take_off(SkinOptions& skin, const api::Json& json) const;
   [[nodiscard]] Result<void> find(const SkinOptions& skin);

@@ -53,9 +53,6 @@ class TableModel {
   void set_plane(const Eigen::Vector3d& normal, double offset_mm);
   void touch(const std::vector<Eigen::Vector3d>& places_mm);
   [[nodiscard]] Eigen::Vector2d on_plane(const Eigen::Vector3d& ct_mm) const;
-  [[nodiscard]] double height_mm(const Eigen::Vector3d& ct_mm) const {
-    return normal_.dot(ct_mm) - offset_mm_;
-  }
 
   Eigen::Vector3d normal_ = Eigen::Vector3d::UnitZ();
   double offset_mm_ = 0.0;

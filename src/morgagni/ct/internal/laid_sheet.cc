@@ -28,6 +28,12 @@ constexpr double kLeastLaid = 0.25;
 constexpr double kMostGrowth = 1.08;
 constexpr double kMostFirstGrowth = 1.12;
 
+float middle_of(std::vector<float>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 class Search {
  public:
   Search(const SkinProfiles& profiles,
@@ -63,7 +69,8 @@ class Search {
       all = std::move(more);
       laid_mm2 = more_mm2;
     }
-    if (!is_told || looks_like_skin(all) || laid_mm2 < kLeastLaid * area_mm2(smooth_)) return {};
+    if (!is_told || looks_like_skin(all) || laid_mm2 < kLeastLaid * profiles_.area_mm2(smooth_))
+      return {};
     return all;
   }
 
@@ -72,12 +79,6 @@ class Search {
 
   [[nodiscard]] float facing(std::size_t a, std::size_t b) const {
     return profiles_.all()[a].inwards.dot(profiles_.all()[b].inwards);
-  }
-
-  [[nodiscard]] double area_mm2(const std::vector<std::size_t>& places) const {
-    double sum = 0.0;
-    for (const std::size_t i : places) sum += profiles_.all()[i].area_mm2;
-    return sum;
   }
 
   [[nodiscard]] double laid_area_mm2(const std::vector<std::size_t>& places) const {
@@ -144,25 +145,16 @@ class Search {
   }
 
   void find_smooth_patches() {
-    std::vector<char> is_left(places_.size());
-    for (const std::size_t i : sheet_.places) is_left[i] = 1;
+    std::vector<char> seen(places_.size(), 1);
+    for (const std::size_t i : sheet_.places) seen[i] = 0;
     for (const std::size_t start : sheet_.places) {
-      if (is_left[start] == 0) continue;
-      is_left[start] = 0;
-      std::vector<std::size_t> patch = {start};
-      for (std::size_t next = 0; next < patch.size(); ++next) {
-        for (const std::size_t k : beside_[patch[next]]) {
-          if (is_left[k] == 0) continue;
-          is_left[k] = 0;
-          patch.push_back(k);
-        }
-      }
+      if (seen[start] != 0) continue;
+      const auto patch = profiles_.region(
+          start, seen, [&](std::size_t from, std::size_t to) { return goes_on(from, to); });
       std::vector<float> smooth(patch.size());
       std::transform(
           patch.begin(), patch.end(), smooth.begin(), [&](std::size_t i) { return smoothness(i); });
-      const auto middle = smooth.begin() + static_cast<std::ptrdiff_t>(smooth.size() / 2);
-      std::nth_element(smooth.begin(), middle, smooth.end());
-      if (area_mm2(patch) >= kLeastPatchMm2 && *middle >= kLeastSmooth)
+      if (profiles_.area_mm2(patch) >= kLeastPatchMm2 && middle_of(smooth) >= kLeastSmooth)
         smooth_.insert(smooth_.end(), patch.begin(), patch.end());
     }
   }
@@ -252,9 +244,7 @@ class Search {
         if (places_[i].lifted_mm == 0.0F)
           hu.push_back(profiles_.all()[i].at(static_cast<int>(step)));
       if (hu.empty()) return;
-      const auto middle = hu.begin() + static_cast<std::ptrdiff_t>(hu.size() / 2);
-      std::nth_element(hu.begin(), middle, hu.end());
-      wanted_hu_[step] = *middle;
+      wanted_hu_[step] = middle_of(hu);
     }
   }
 

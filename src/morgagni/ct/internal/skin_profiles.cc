@@ -173,6 +173,12 @@ std::vector<std::size_t> SkinProfiles::beside(std::size_t profile) const {
   return found;
 }
 
+double SkinProfiles::area_mm2(const std::vector<std::size_t>& profiles) const {
+  double sum = 0.0;
+  for (const std::size_t i : profiles) sum += profiles_[i].area_mm2;
+  return sum;
+}
+
 template <class Visit>
 void SkinProfiles::for_each_near(const Eigen::Vector3f& place_mm,
                                  int reach,

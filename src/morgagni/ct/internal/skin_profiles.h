@@ -40,6 +40,23 @@ class SkinProfiles {
   [[nodiscard]] const std::vector<SkinProfile>& all() const { return profiles_; }
   /// Those of the cells around one.
   [[nodiscard]] std::vector<std::size_t> beside(std::size_t profile) const;
+  /// Those that `joins(from, to)` leads to from one, and are not seen before.
+  template <class Joins>
+  [[nodiscard]] std::vector<std::size_t> region(std::size_t start,
+                                                std::vector<char>& seen,
+                                                const Joins& joins) const {
+    std::vector<std::size_t> region = {start};
+    seen[start] = 1;
+    for (std::size_t next = 0; next < region.size(); ++next) {
+      for (const std::size_t k : beside(region[next])) {
+        if (seen[k] != 0 || !joins(region[next], k)) continue;
+        seen[k] = 1;
+        region.push_back(k);
+      }
+    }
+    return region;
+  }
+  [[nodiscard]] double area_mm2(const std::vector<std::size_t>& profiles) const;
   /// The one whose surface is nearest to a place, none farther than about 6 mm.
   [[nodiscard]] std::optional<std::size_t> nearest(const Eigen::Vector3f& place_mm) const;
   /// Of those over a place, no farther beside it than this and no higher over it than their

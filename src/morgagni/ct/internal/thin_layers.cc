@@ -139,29 +139,6 @@ class Search {
   }
 
  private:
-  /// The places that `joins(from, to)` leads to from one.
-  template <class Joins>
-  std::vector<std::size_t> region(std::size_t start,
-                                  std::vector<char>& seen,
-                                  const Joins& joins) const {
-    std::vector<std::size_t> region = {start};
-    seen[start] = 1;
-    for (std::size_t next = 0; next < region.size(); ++next) {
-      for (const std::size_t k : profiles_.beside(region[next])) {
-        if (seen[k] != 0 || !joins(region[next], k)) continue;
-        seen[k] = 1;
-        region.push_back(k);
-      }
-    }
-    return region;
-  }
-
-  [[nodiscard]] double area_mm2(const std::vector<std::size_t>& region) const {
-    double sum = 0.0;
-    for (const std::size_t i : region) sum += profiles_.all()[i].area_mm2;
-    return sum;
-  }
-
   template <class ValueOf>
   [[nodiscard]] static float share(const std::vector<std::size_t>& places,
                                    double share,
@@ -175,13 +152,13 @@ class Search {
     std::vector<char> seen(places_.size());
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (seen[i] != 0 || places_[i].lifted_mm == 0.0F) continue;
-      auto places = region(i, seen, [&](std::size_t from, std::size_t to) {
+      auto places = profiles_.region(i, seen, [&](std::size_t from, std::size_t to) {
         const float most_hu = std::max(30.0F, 0.2F * places_[from].most_hu);
         return places_[to].lifted_mm > 0.0F &&
                std::abs(places_[to].lifted_mm - places_[from].lifted_mm) < 0.6F &&
                std::abs(places_[to].most_hu - places_[from].most_hu) < most_hu;
       });
-      if (area_mm2(places) >= kLeastMm2) judge(std::move(places));
+      if (profiles_.area_mm2(places) >= kLeastMm2) judge(std::move(places));
     }
   }
 
@@ -204,7 +181,7 @@ class Search {
                          share(places, 0.5, most),
                          share(places, 0.5, [&](std::size_t i) { return places_[i].outside_hu; }),
                          is_even,
-                         area_mm2(places),
+                         profiles_.area_mm2(places),
                          {},
                          {}};
     const int num = 1 + static_cast<int>(sheet.thick_mm / static_cast<float>(SkinProfile::kStepMm));
@@ -234,9 +211,9 @@ class Search {
     std::vector<char> seen(places_.size());
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (seen[i] != 0 || places_[i].light_mm < kLeastMm) continue;
-      const auto places = region(
+      const auto places = profiles_.region(
           i, seen, [&](std::size_t, std::size_t to) { return places_[to].light_mm >= kLeastMm; });
-      if (area_mm2(places) < kLeastMm2) continue;
+      if (profiles_.area_mm2(places) < kLeastMm2) continue;
       for (const std::size_t k : places) found_.thick_mm[k] = places_[k].light_mm;
     }
   }
@@ -246,7 +223,8 @@ class Search {
     std::vector<char> seen(places_.size());
     for (const std::size_t i : sheet.places) seen[i] = 1;
     for (const std::size_t start : sheet.places) {
-      for (const std::size_t k : region(start, seen, [&](std::size_t from, std::size_t to) {
+      for (const std::size_t k :
+           profiles_.region(start, seen, [&](std::size_t from, std::size_t to) {
              return faces_alike(from, to) && goes_on(to, sheet);
            })) {
         if (found_.thick_mm[k] == 0.0F)
@@ -343,7 +321,7 @@ class Search {
     const auto start = nearest_unknown(place_mm);
     if (!start) return;
     std::vector<char> seen(places_.size());
-    const auto stretch = region(
+    const auto stretch = profiles_.region(
         *start, seen, [&](std::size_t, std::size_t to) { return found_.unknown_mm[to] > 0.0F; });
     for (const LiftedSheet& sheet : like_skin_) {
       const bool touches =

@@ -27,9 +27,8 @@ struct ThinLayers {
 ///   told from this skin (sheet_places()).
 ///
 /// One that cannot be told (a tube's wall, a shell as dense as the skin) is left.
-/// @param take_off_mm  Places, as SkinProfile::place_mm: the whole stretch of `unknown_mm` nearest
-/// to
-///                     each is taken off, with the lifted sheet that it comes of.
+/// @param take_off_mm  Places, as SkinProfile::place_mm: the whole stretch of `unknown_mm` that is
+///                     nearest to each is taken off, with the lifted sheet that it comes of.
 [[nodiscard]] ThinLayers thin_layers(const SkinProfiles& profiles,
                                      const std::vector<Eigen::Vector3f>& take_off_mm = {});
 
