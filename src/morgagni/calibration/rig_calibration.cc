@@ -28,6 +28,9 @@ constexpr std::size_t kHoldOutAt = 1;
 constexpr double kMaxOffsetPx = 50.0;
 /// Squares that the depth camera measures so much larger or smaller were measured wrong.
 constexpr double kMaxSquareError = 0.04;
+/// Less than that no calibration is said to leave unknown of the depth camera's lens: what the
+/// formal errors do not tell, of a lens that no model follows wholly and a board that is not flat.
+constexpr PinholeSd kLeastSd{.focal_ratio = 0.001, .center_px = 0.2};
 
 tl::unexpected<Error> refuse(std::string message) {
   return make_error(ErrorCode::kInvalidArgument, std::move(message));
@@ -112,6 +115,14 @@ void adopt(const PinholeCamera& camera,
   lens.rms_px = rms_px;
 }
 
+PinholeSd depth_sd_of(const JointCalibration& found) {
+  const auto& sd = found.depth_sd;
+  return {.focal_ratio = std::max({kLeastSd.focal_ratio,
+                                   sd.focal_x_px / found.depth.focal_x_px,
+                                   sd.focal_y_px / found.depth.focal_y_px}),
+          .center_px = std::max({kLeastSd.center_px, sd.center_x_px, sd.center_y_px})};
+}
+
 /// Of a depth camera found by boards as planes.
 std::vector<DesignChange> changes_from(const RgbdCalibration& design,
                                        const JointCalibration& found,
@@ -167,6 +178,7 @@ class Rig {
     start_ = design_;
     start_.depth_correction = nullptr;
     start_.origin.clear();
+    start_.depth_sd.reset();
     const auto colors = lens_set(views_, &RigView::color);
     MOR_TRY(result_.color, lens_of("colour camera", colors, design_.color));
     start_.color = result_.color.camera;
@@ -386,6 +398,7 @@ class Rig {
     result_.calibration = start_;
     result_.calibration.color = found_.color;
     result_.calibration.depth = depth_picture_lens(found_.depth);
+    result_.calibration.depth_sd = depth_sd_of(found_);
     result_.calibration.color_from_depth = found_.color_from_depth;
     if (!result_.calibration.color_from_depth.matrix().allFinite()) {
       return refuse("the views do not determine the device");

@@ -67,6 +67,14 @@ TEST(RigCalibration, FindsLensesPlaceAndDepthErrorFromPictures) {
   EXPECT_NEAR(found.color_from_depth.translation().norm(),
               truth.color_from_depth.translation().norm(),
               0.3);
+  // What it says of its own exactness holds, and is no boast.
+  ASSERT_TRUE(found.depth_sd);
+  EXPECT_LT(std::abs(found.depth.focal_x_px / truth.depth.focal_x_px - 1.0),
+            3.0 * found.depth_sd->focal_ratio);
+  EXPECT_LT(std::abs(found.depth.center_x_px - truth.depth.center_x_px),
+            3.0 * found.depth_sd->center_px);
+  EXPECT_LE(found.depth_sd->focal_ratio, 0.0015);
+  EXPECT_GE(found.depth_sd->focal_ratio, 0.001);
   ASSERT_TRUE(found.depth_correction);
   double before = 0.0;
   double after = 0.0;

@@ -97,6 +97,24 @@ Result<Eigen::Isometry3d> parse_rigid(const Json& root, const std::string& name)
   return result;
 }
 
+constexpr const char* kDepthSd = "depth_sd";
+
+Result<PinholeSd> parse_pinhole_sd(const Json& json) {
+  if (!json.is_object()) return bad(std::string(kDepthSd) + " is no JSON object");
+  PinholeSd sd;
+  MOR_TRY(sd.focal_ratio, member(json, kDepthSd, "focal_ratio"));
+  MOR_TRY(sd.center_px, member(json, kDepthSd, "center_px"));
+  if (!(sd.focal_ratio > 0.0 && sd.focal_ratio <= 0.1) ||
+      !(sd.center_px > 0.0 && sd.center_px <= 100.0)) {
+    return bad(
+        fmt::format("{}: focal_ratio must be in (0, 0.1], got {}, center_px in (0, 100], got {}",
+                    kDepthSd,
+                    sd.focal_ratio,
+                    sd.center_px));
+  }
+  return sd;
+}
+
 Json correction_json(const DepthCorrection& correction) {
   Json c0 = Json::array();
   Json c1 = Json::array();
@@ -191,6 +209,9 @@ std::string calibration_to_json(const RgbdCalibration& calibration) {
                {"color", pinhole_json(calibration.color)},
                {"color_from_depth", rows}};
   if (!calibration.origin.empty()) json["origin"] = calibration.origin;
+  if (const auto& sd = calibration.depth_sd) {
+    json[kDepthSd] = {{"focal_ratio", sd->focal_ratio}, {"center_px", sd->center_px}};
+  }
   if (calibration.depth_correction) {
     json[kCorrection] = correction_json(*calibration.depth_correction);
   }
@@ -209,6 +230,9 @@ Result<RgbdCalibration> calibration_from_json(std::string_view text) {
       return bad(fmt::format("origin must be a text of at most {} bytes", kMaxOriginBytes));
     }
     calibration.origin = origin->get<std::string>();
+  }
+  if (const auto sd = json.find(kDepthSd); sd != json.end()) {
+    MOR_TRY(calibration.depth_sd, parse_pinhole_sd(*sd));
   }
   if (const auto correction = json.find(kCorrection); correction != json.end()) {
     MOR_TRY(auto parsed, parse_correction(*correction));

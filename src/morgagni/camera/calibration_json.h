@@ -12,7 +12,8 @@ namespace mor {
 
 /// {"depth": {"width", "height", "fx", "fy", "cx", "cy", "distortion": [k1, k2, p1, p2, k3]},
 ///  "color": the same, "color_from_depth": 3 rows of 4 numbers, mm,
-///  "origin": optional text, "depth_correction": optional, as below}. Every bit of every number.
+///  "origin": optional text, "depth_sd": {"focal_ratio", "center_px"}, optional,
+///  "depth_correction": optional, as below}. Every bit of every number.
 [[nodiscard]] std::string calibration_to_json(const RgbdCalibration& calibration);
 
 /// @errors kInvalidArgument: no JSON, a number missing, no pinhole, no rotation; names the member.

@@ -134,13 +134,28 @@ TEST(DepthCorrection, SaysWhatIsWrongWithIt) {
 TEST(DepthCorrection, KeepsEveryBitInJson) {
   auto calibration = *internal::sample_calibration();
   EXPECT_THAT(calibration_to_json(calibration), testing::Not(HasSubstr("depth_correction")));
-  calibration.depth_correction = std::make_shared<const DepthCorrection>(uneven_correction());
+  EXPECT_THAT(calibration_to_json(calibration), testing::Not(HasSubstr("depth_sd")));
+  calibration.depth_sd = PinholeSd{.focal_ratio = 0.0013, .center_px = 0.3};
   EXPECT_NE(calibration, *internal::sample_calibration());
+  calibration.depth_correction = std::make_shared<const DepthCorrection>(uneven_correction());
   const auto again = calibration_from_json(calibration_to_json(calibration));
   ASSERT_TRUE(again) << again.error().message;
   EXPECT_EQ(*again, calibration);
   EXPECT_EQ(depth_correction_from_json(depth_correction_to_json(uneven_correction())).value(),
             uneven_correction());
+}
+
+TEST(CalibrationJson, RefusesAPinholeThatIsKnownTooWellOrNotAtAll) {
+  const auto message = [](const PinholeSd& sd) {
+    auto calibration = *internal::sample_calibration();
+    calibration.depth_sd = sd;
+    const auto parsed = calibration_from_json(calibration_to_json(calibration));
+    return parsed ? std::string() : parsed.error().message;
+  };
+  EXPECT_EQ(message({.focal_ratio = 0.1, .center_px = 100.0}), "");
+  EXPECT_THAT(message({.focal_ratio = 0.0, .center_px = 1.0}), HasSubstr("focal_ratio"));
+  EXPECT_THAT(message({.focal_ratio = 0.2, .center_px = 1.0}), HasSubstr("got 0.2"));
+  EXPECT_THAT(message({.focal_ratio = 0.001, .center_px = -1.0}), HasSubstr("center_px"));
 }
 
 TEST(DepthCorrection, SaysWhatIsWrongWithItsJson) {

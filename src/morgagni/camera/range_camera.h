@@ -21,6 +21,14 @@
 
 namespace mor {
 
+/// How exactly a pinhole is known: standard deviations.
+struct PinholeSd {
+  double focal_ratio = 0.0;  ///< Of the focal lengths. (0, 0.1].
+  double center_px = 0.0;    ///< Each way. (0, 100].
+
+  bool operator==(const PinholeSd&) const = default;
+};
+
 /// How a range camera sees: two pinholes and the way between them.
 struct RgbdCalibration {
   PinholeCamera depth;
@@ -30,13 +38,16 @@ struct RgbdCalibration {
   std::shared_ptr<const DepthCorrection> depth_correction = nullptr;
   /// Where it is from and of what day, for people. Empty: the device's own word, or its design.
   std::string origin = {};
+  /// How exactly `depth` is known, by the calibration that found it. None: nobody said.
+  std::optional<PinholeSd> depth_sd = std::nullopt;
 
   bool operator==(const RgbdCalibration& other) const {
     const bool same_correction = depth_correction && other.depth_correction
                                      ? *depth_correction == *other.depth_correction
                                      : depth_correction == other.depth_correction;
     return depth == other.depth && color == other.color && same_correction &&
-           origin == other.origin && color_from_depth.matrix() == other.color_from_depth.matrix();
+           origin == other.origin && depth_sd == other.depth_sd &&
+           color_from_depth.matrix() == other.color_from_depth.matrix();
   }
 };
 
