@@ -180,8 +180,7 @@ void self_calibrate(const Arguments& arguments) {
   const auto& calibration = camera->calibration();
   Gatherer gatherer(arguments, body, *camera);
   const auto& gathered = gatherer.gather(signals.token());
-  const auto found =
-      value_or_exit(estimate_self_calibration(*skin, calibration.depth, gathered.views()));
+  const auto found = value_or_exit(estimate_self_calibration(*skin, calibration, gathered.views()));
   print(found);
   for (const auto& sentence : gathered.coverage().missing()) {
     fmt::print("it would know more of this: {}\n", sentence);

@@ -45,15 +45,16 @@ struct ModelFit {
 class Estimation {
  public:
   Estimation(const TriangleMesh& skin,
-             const PinholeCamera& depth,
+             const RgbdCalibration& calibration,
              const std::vector<SensedSkin>& views,
              const SelfCalibrationOptions& options,
              std::stop_token stop)
       : views_(views),
-        depth_(depth),
+        depth_(calibration.depth),
+        knows_pinhole_(calibration.depth_sd.has_value()),
         options_(options),
         stop_(std::move(stop)),
-        models_(skin, depth, views, options),
+        models_(skin, depth_, views, options),
         sensor_(models_.sensor()),
         skin_(models_.skin()) {}
 
@@ -71,9 +72,12 @@ class Estimation {
     result.correlated_readings = scatter.correlated;
     models_.weigh_by(scatter, both.views);
     fit(both, 1);
+    const Eigen::MatrixXd at_first = models_.sensor_prior();
+    models_.learn_growth(information_of(both), both.state);
+    fit(both, 1);
     if (stop_.stop_requested()) return result;
     describe(both.state, result);
-    add_uncertainty(information_of(both), both.state, result);
+    add_uncertainty(information_of(both), both.state, at_first, result);
     add_skin(both, result);
     if (views_.size() < kLeastViews) return result;
     ModelFit skin{BundleModel::kSkin, models_.start(), {}};
@@ -221,32 +225,15 @@ class Estimation {
     return form / static_cast<double>(std::max<std::size_t>(1, count));
   }
 
+  /// @param at_first  Covariance of the sensor's values before any view was seen.
   void add_uncertainty(const internal::BundleInformation& information,
                        const BundleState& state,
+                       const Eigen::MatrixXd& at_first,
                        SelfCalibration& result) const {
     const auto sensor = static_cast<Eigen::Index>(sensor_.size());
     const Eigen::MatrixXd posterior =
         internal::inverse_of(information.matrix + models_.prior_precision());
-    // How far the sensor's part of the values moves the poses found without it.
-    const auto form = displacement_form(information.pivot_mm);
-    double shift_sq = 0.0;
-    double remaining_sq = 0.0;
-    double before_sq = 0.0;
     const Eigen::VectorXd values = state.values.head(sensor);
-    for (const auto& follows : information.pose_from_values) {
-      const Eigen::MatrixXd of_sensor = follows.leftCols(sensor);
-      const Eigen::Matrix<double, 6, 1> move = of_sensor * values;
-      shift_sq += move.dot(form * move);
-      const Eigen::MatrixXd left = posterior.topLeftCorner(sensor, sensor) * of_sensor.transpose();
-      remaining_sq += (form * (of_sensor * left)).trace();
-      const Eigen::MatrixXd at_first = models_.sensor_prior() * of_sensor.transpose();
-      before_sq += (form * (of_sensor * at_first)).trace();
-    }
-    const auto count =
-        static_cast<double>(std::max<std::size_t>(1, information.pose_from_values.size()));
-    result.shift_mm = std::sqrt(shift_sq / count);
-    result.before_mm = std::sqrt(before_sq / count);
-    result.open_share = std::sqrt(std::max(0.0, remaining_sq / std::max(1e-12, before_sq)));
     const auto seen = what_was_seen(posterior.topLeftCorner(sensor, sensor), values);
     result.num_open = seen.num_open;
     result.size_ratio = seen.size_ratio;
@@ -254,7 +241,37 @@ class Estimation {
     const double size_sq = (kUsualSizeValues * kUsualSizeRatio * kUsualSizeRatio +
                             num_seen * seen.size_ratio * seen.size_ratio) /
                            (kUsualSizeValues + num_seen);
-    result.remaining_mm = std::sqrt(size_sq) * result.open_share * result.before_mm;
+    // The same of a sensor whose errors are as large as this one's.
+    Eigen::MatrixXd sized_prior = models_.prior_precision();
+    const auto sized =
+        sensor - (knows_pinhole_ ? static_cast<Eigen::Index>(SensorModel::kNumPinhole) : 0);
+    sized_prior.topLeftCorner(sized, sized) /= size_sq;
+    const Eigen::MatrixXd sized_posterior = internal::inverse_of(information.matrix + sized_prior);
+    // How far the sensor's part of the values moves the poses found without it.
+    const auto form = displacement_form(information.pivot_mm);
+    double shift_sq = 0.0;
+    double before_sq = 0.0;
+    double open_sq = 0.0;
+    double remaining_sq = 0.0;
+    for (const auto& follows : information.pose_from_values) {
+      const Eigen::MatrixXd of_sensor = follows.leftCols(sensor);
+      const Eigen::Matrix<double, 6, 1> move = of_sensor * values;
+      const auto spread_sq = [&](const Eigen::MatrixXd& covariance) {
+        return (form *
+                (of_sensor * (covariance.topLeftCorner(sensor, sensor) * of_sensor.transpose())))
+            .trace();
+      };
+      shift_sq += move.dot(form * move);
+      before_sq += spread_sq(at_first);
+      open_sq += spread_sq(posterior);
+      remaining_sq += spread_sq(sized_posterior);
+    }
+    const auto count =
+        static_cast<double>(std::max<std::size_t>(1, information.pose_from_values.size()));
+    result.shift_mm = std::sqrt(shift_sq / count);
+    result.before_mm = std::sqrt(before_sq / count);
+    result.open_share = std::sqrt(std::max(0.0, open_sq / std::max(1e-12, before_sq)));
+    result.remaining_mm = std::sqrt(std::max(0.0, remaining_sq / count));
   }
 
   struct Seen {
@@ -340,6 +357,7 @@ class Estimation {
 
   const std::vector<SensedSkin>& views_;
   const PinholeCamera& depth_;
+  bool knows_pinhole_;  ///< How exactly `depth_` is known was said, not taken from SensorPrior.
   const SelfCalibrationOptions& options_;
   std::stop_token stop_;  ///< Asked for between steps; what comes of them then is thrown away.
   internal::ViewModels models_;
@@ -390,9 +408,9 @@ Result<void> SelfCalibrationOptions::check() const {
                              prior.shape_mm,
                              prior.shape_reach,
                              prior.not_growing_ratio,
-                             prior.focal_ratio,
                              prior.focal_difference_ratio,
-                             prior.center_px,
+                             prior.pinhole.focal_ratio,
+                             prior.pinhole.center_px,
                              skin_mm,
                              skin_reach_mm}) {
     if (!(value > 0.0 && std::isfinite(value))) {
@@ -403,12 +421,12 @@ Result<void> SelfCalibrationOptions::check() const {
 }
 
 Result<SelfCalibration> estimate_self_calibration(const TriangleMesh& skin,
-                                                  const PinholeCamera& depth,
+                                                  const RgbdCalibration& calibration,
                                                   const std::vector<SensedSkin>& views,
                                                   const SelfCalibrationOptions& options,
                                                   std::stop_token stop) {
   MOR_CHECK(options.check());
-  MOR_CHECK(depth.check());
+  MOR_CHECK(calibration.depth.check());
   for (std::size_t i = 0; i < views.size(); ++i) {
     const auto& view = views[i];
     if (!view.ct_from_depth.matrix().allFinite()) {
@@ -416,7 +434,9 @@ Result<SelfCalibration> estimate_self_calibration(const TriangleMesh& skin,
                         fmt::format("view {} has a pose that is not finite", i));
     }
   }
-  auto found = Estimation(skin, depth, views, options, stop).run();
+  SelfCalibrationOptions known = options;
+  known.prior.pinhole = calibration.depth_sd.value_or(options.prior.pinhole);
+  auto found = Estimation(skin, calibration, views, known, stop).run();
   if (stop.stop_requested()) {
     return make_error(ErrorCode::kCancelled, "the self-calibration was stopped");
   }

@@ -12,6 +12,7 @@
 #include "morgagni/calibration/skin_change.h"
 #include "morgagni/calibration/skin_readings.h"
 #include "morgagni/camera/depth_correction.h"
+#include "morgagni/camera/range_camera.h"
 #include "morgagni/core/result.h"
 #include "morgagni/geometry/pinhole_camera.h"
 #include "morgagni/geometry/triangle_mesh.h"
@@ -25,11 +26,12 @@ struct SensorPrior {
   double tilt_mm = 3.0;      ///< From the middle to the edge. > 0.
   double shape_mm = 3.0;     ///< Of the rest, smooth over the picture. > 0.
   double shape_reach = 0.5;  ///< How smooth: its reach, in half widths of the picture. > 0.
-  /// How far the error does not grow with the distance, as a ratio of the above. > 0.
+  /// How far the error does not grow with the distance, as a ratio of the above, where it goes with
+  /// it in none of the ways that sensors' errors mostly do. > 0.
   double not_growing_ratio = 0.5;
-  double focal_ratio = 0.006;             ///< Of the focal lengths, both alike. > 0.
-  double focal_difference_ratio = 0.001;  ///< And apart. > 0.
-  double center_px = 1.0;                 ///< Of the principal point, each way. > 0.
+  double focal_difference_ratio = 0.001;  ///< Of the focal lengths, apart. > 0.
+  /// Of a pinhole whose calibration does not say how exactly it is known (RgbdCalibration).
+  PinholeSd pinhole{.focal_ratio = 0.006, .center_px = 1.0};
 };
 
 struct SelfCalibrationOptions {
@@ -95,7 +97,7 @@ struct SelfCalibration {
   /// tracked poses are estimated to be off.
   double shift_mm = 0.0;
   /// What stays unknown of that when it is removed, one standard deviation: errors of a sensor that
-  /// look like a pose, as large as such an error is elsewhere, where it can be seen (size_ratio).
+  /// look like a pose, of one whose errors are as large as where they can be seen (size_ratio).
   double remaining_mm = 0.0;
   double before_mm = 0.0;      ///< Before any view was seen: what SensorPrior does to a pose.
   double open_share = 0.0;     ///< Of that, so much is not told by these views, whatever its size.
@@ -127,14 +129,15 @@ struct SelfCalibration {
 /// Separates a camera's systematic error from pose errors and from a changed skin: what is fixed in
 /// the picture, what is free in each view, and what is fixed in the CT (docs/self-calibration.md).
 ///
-/// @param skin  The case's, with normals. @param depth  As the views were read with.
+/// @param skin  The case's, with normals. @param calibration  The views were read with its `depth`;
+/// `depth_sd` counts where it is said.
 /// @param views  In the order of time. From 20 on something is said.
 /// @errors kInvalidArgument: bad options or camera, a value that is not finite; kCancelled: `stop`
 /// was requested.
 /// @threads Reentrant; one thread. @cost Some seconds for 60 views.
 [[nodiscard]] Result<SelfCalibration> estimate_self_calibration(
     const TriangleMesh& skin,
-    const PinholeCamera& depth,
+    const RgbdCalibration& calibration,
     const std::vector<SensedSkin>& views,
     const SelfCalibrationOptions& options = {},
     std::stop_token stop = {});

@@ -22,6 +22,8 @@ const PinholeCamera kCamera{.width_px = 640,
                             .center_x_px = 319.5,
                             .center_y_px = 239.5};
 
+const RgbdCalibration kCalibration{.depth = kCamera, .color = kCamera};
+
 TriangleMesh bumpy_body() {
   return internal::bumpy_body(60, Eigen::Vector3f::Zero());
 }
@@ -38,11 +40,21 @@ Eigen::Isometry3d body_from_camera(int view) {
   return pose;
 }
 
-/// 6 mm too far at the right edge, 6 mm too near at the left, a bowl on top.
-double bias_mm(int x, int y, double z_mm) {
+/// At 800 mm 6 mm too far at the right edge, 6 mm too near at the left, a bowl on top.
+double bias_at_800_mm(int x, int y) {
   const double u = 2.0 * x / (kCamera.width_px - 1) - 1.0;
   const double v = 2.0 * y / (kCamera.height_px - 1) - 1.0;
-  return (6.0 * u + 8.0 * (u * u + v * v) - 4.0) * z_mm / 800.0;
+  return 6.0 * u + 8.0 * (u * u + v * v) - 4.0;
+}
+
+/// In proportion to the distance.
+double bias_mm(int x, int y, double z_mm) {
+  return bias_at_800_mm(x, y) * z_mm / 800.0;
+}
+
+/// The same at each.
+double fixed_bias_mm(int x, int y, double /*z_mm*/) {
+  return bias_at_800_mm(x, y);
 }
 
 /// Standard deviation.
@@ -83,11 +95,12 @@ double depth_of_table(double (*height_mm)(double x, double y),
 
 /// Views of a sensor that strays sideways as expected_depth() has it, with noise of 1 mm, at poses
 /// off by up to 1 mm and 0.2 degrees.
-/// @param share  Of bias_mm(). @param table_mm  Height of a table over (x, y) that lies under the
+/// @param share  Of `error_mm`. @param table_mm  Height of a table over (x, y) that lies under the
 /// body, in front of which the camera sees the body. Null: none.
 std::vector<SensedSkin> views_of(const TriangleMesh& body,
                                  double share,
-                                 double (*table_mm)(double x, double y) = nullptr) {
+                                 double (*table_mm)(double x, double y) = nullptr,
+                                 double (*error_mm)(int x, int y, double z_mm) = bias_mm) {
   std::mt19937_64 random(7);
   const auto uniform = [&random] {
     return static_cast<double>(random() >> 11U) * 0x1.0p-53 * 2.0 - 1.0;
@@ -104,7 +117,7 @@ std::vector<SensedSkin> views_of(const TriangleMesh& body,
         if (z_mm <= 0.0) continue;
         const double noise_mm = uniform() + uniform() + uniform();
         depth_mm(x, y) =
-            static_cast<std::uint16_t>(std::lround(z_mm + noise_mm + share * bias_mm(x, y, z_mm)));
+            static_cast<std::uint16_t>(std::lround(z_mm + noise_mm + share * error_mm(x, y, z_mm)));
       }
     }
     const Eigen::Isometry3d tracked =
@@ -117,7 +130,7 @@ std::vector<SensedSkin> views_of(const TriangleMesh& body,
 
 TEST(SelfCalibration, FindsASmoothErrorAndProposesToRemoveIt) {
   const auto body = bumpy_body();
-  const auto found = estimate_self_calibration(body, kCamera, views_of(body, 1.0));
+  const auto found = estimate_self_calibration(body, kCalibration, views_of(body, 1.0));
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(to_string(found->verdict), "error");
   EXPECT_GT(found->held_out.sensor.significance, 3.0);
@@ -138,7 +151,7 @@ TEST(SelfCalibration, FindsASmoothErrorAndProposesToRemoveIt) {
 
 TEST(SelfCalibration, LeavesAnErrorThatHardlyMovesTheBody) {
   const auto body = bumpy_body();
-  const auto found = estimate_self_calibration(body, kCamera, views_of(body, 0.5));
+  const auto found = estimate_self_calibration(body, kCalibration, views_of(body, 0.5));
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(to_string(found->verdict), "small");
   EXPECT_GT(found->held_out.sensor.significance, 3.0);
@@ -159,9 +172,9 @@ double left_at_rim_mm(const SelfCalibration& found, double share) {
 
 TEST(SelfCalibration, ATableUnderTheBodyTellsMoreThanTheBodyAlone) {
   const auto body = bumpy_body();
-  const auto alone = estimate_self_calibration(body, kCamera, views_of(body, 1.0));
+  const auto alone = estimate_self_calibration(body, kCalibration, views_of(body, 1.0));
   const auto with_table =
-      estimate_self_calibration(body, kCamera, views_of(body, 1.0, uneven_table));
+      estimate_self_calibration(body, kCalibration, views_of(body, 1.0, uneven_table));
   ASSERT_TRUE(alone && with_table);
   EXPECT_FALSE(alone->sees_table);
   EXPECT_TRUE(with_table->sees_table);
@@ -171,10 +184,45 @@ TEST(SelfCalibration, ATableUnderTheBodyTellsMoreThanTheBodyAlone) {
   EXPECT_LT(left_at_rim_mm(*with_table, 1.0), 0.5 * left_at_rim_mm(*alone, 1.0));
 }
 
+/// How uneven the correction is over the picture's middle at a distance, standard deviation.
+double unevenness_mm(const SelfCalibration& found, double z_mm) {
+  std::vector<double> add_mm;
+  for (int y = 120; y < 360; y += 16) {
+    for (int x = 160; x < 480; x += 16) {
+      add_mm.push_back(found.correction.add_mm(Eigen::Vector2d(x, y), 640, 480, z_mm));
+    }
+  }
+  return spread_mm(add_mm);
+}
+
+TEST(SelfCalibration, TellsHowTheErrorGoesWithTheDistance) {
+  const auto body = bumpy_body();
+  const auto growth = [&](double (*error_mm)(int x, int y, double z_mm)) {
+    const auto found =
+        estimate_self_calibration(body, kCalibration, views_of(body, 1.0, uneven_table, error_mm));
+    return unevenness_mm(*found, 900.0) / unevenness_mm(*found, 600.0);
+  };
+  EXPECT_NEAR(growth(bias_mm), 1.5, 0.1);
+  EXPECT_NEAR(growth(fixed_bias_mm), 1.0, 0.1);
+}
+
+TEST(SelfCalibration, AKnownPinholeLeavesLessUnknown) {
+  const auto body = bumpy_body();
+  const auto views = views_of(body, 1.0, uneven_table, fixed_bias_mm);
+  auto calibrated = kCalibration;
+  calibrated.depth_sd = PinholeSd{.focal_ratio = 0.001, .center_px = 0.2};
+  const auto by_design = estimate_self_calibration(body, kCalibration, views);
+  const auto known = estimate_self_calibration(body, calibrated, views);
+  ASSERT_TRUE(by_design && known);
+  EXPECT_LT(known->remaining_mm, 0.9 * by_design->remaining_mm);
+  EXPECT_LT(std::abs(known->focal_x_ratio), 0.003);
+  EXPECT_LT(known->center_px.norm(), 0.6);
+}
+
 TEST(SelfCalibration, ATablesUnevennessIsNoErrorOfTheSensor) {
   const auto body = bumpy_body();
   for (const auto table : {level_table, uneven_table}) {
-    const auto found = estimate_self_calibration(body, kCamera, views_of(body, 0.0, table));
+    const auto found = estimate_self_calibration(body, kCalibration, views_of(body, 0.0, table));
     ASSERT_TRUE(found) << found.error().message;
     EXPECT_TRUE(found->sees_table);
     EXPECT_FALSE(found->proposes()) << found->held_out.sensor.share;
@@ -184,7 +232,7 @@ TEST(SelfCalibration, ATablesUnevennessIsNoErrorOfTheSensor) {
 
 TEST(SelfCalibration, LeavesASensorWithoutErrorAsItIs) {
   const auto body = bumpy_body();
-  const auto found = estimate_self_calibration(body, kCamera, views_of(body, 0.0));
+  const auto found = estimate_self_calibration(body, kCalibration, views_of(body, 0.0));
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_NE(to_string(found->verdict), "error");
   EXPECT_LT(found->shift_mm, 1.5);
@@ -207,7 +255,7 @@ TriangleMesh changed_body() {
 
 TEST(SelfCalibration, FindsTheSensorsErrorOnAChangedBodyToo) {
   const auto found =
-      estimate_self_calibration(bumpy_body(), kCamera, views_of(changed_body(), 1.5));
+      estimate_self_calibration(bumpy_body(), kCalibration, views_of(changed_body(), 1.5));
   ASSERT_TRUE(found) << found.error().message;
   const auto& held = found->held_out;
   EXPECT_EQ(to_string(found->verdict), "error")
@@ -218,7 +266,7 @@ TEST(SelfCalibration, FindsTheSensorsErrorOnAChangedBodyToo) {
 
 TEST(SelfCalibration, AChangedBodyAloneIsNoErrorOfTheSensor) {
   const auto body = bumpy_body();
-  const auto found = estimate_self_calibration(body, kCamera, views_of(changed_body(), 0.0));
+  const auto found = estimate_self_calibration(body, kCalibration, views_of(changed_body(), 0.0));
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(to_string(found->verdict), "skin-changed") << found->held_out.skin.share;
   EXPECT_TRUE(found->follows_skin);
@@ -242,19 +290,19 @@ TEST(SelfCalibration, SaysWhenThereIsTooLittle) {
   const auto body = bumpy_body();
   auto views = views_of(body, 1.0);
   views.resize(19);
-  const auto found = estimate_self_calibration(body, kCamera, views);
+  const auto found = estimate_self_calibration(body, kCalibration, views);
   ASSERT_TRUE(found);
   EXPECT_EQ(to_string(found->verdict), "too-few-views");
 }
 
 TEST(SelfCalibration, RefusesBadOptionsAndPoses) {
   const auto body = bumpy_body();
-  const auto options = estimate_self_calibration(body, kCamera, {}, {.columns = 2});
+  const auto options = estimate_self_calibration(body, kCalibration, {}, {.columns = 2});
   ASSERT_FALSE(options);
   EXPECT_EQ(options.error().message, "columns must be in [3, 40], got 2");
   std::vector<SensedSkin> views(1);
   views[0].ct_from_depth.translation().x() = std::nan("");
-  const auto pose = estimate_self_calibration(body, kCamera, views);
+  const auto pose = estimate_self_calibration(body, kCalibration, views);
   ASSERT_FALSE(pose);
   EXPECT_EQ(pose.error().message, "view 0 has a pose that is not finite");
 }

@@ -133,8 +133,9 @@ class SeedRun {
     MOR_CHECK(prepare(seed));
     SelfCalibrationRun run;
     run.seed = seed;
-    const PinholeCamera stated = camera_->calibration().depth;
-    if (group_.held && !(group_.held->depth == stated)) {
+    const RgbdCalibration calibration = stated_calibration(seed);
+    const PinholeCamera& stated = calibration.depth;
+    if (group_.held && !(group_.held->depth == camera_->calibration().depth)) {
       return make_error(ErrorCode::kUnsupported,
                         "the recording has another pinhole than the simulated camera");
     }
@@ -149,7 +150,7 @@ class SeedRun {
     }
     const double started_s = thread_cpu_s();
     MOR_TRY(run.found,
-            estimate_self_calibration(group_.body->mesh, stated, views, options_.estimate));
+            estimate_self_calibration(group_.body->mesh, calibration, views, options_.estimate));
     run.cpu_s = thread_cpu_s() - started_s;
     MOR_CHECK(measure(shown, stated, run));
     return run;
@@ -181,6 +182,21 @@ class SeedRun {
       return !target.on_skin;
     });
     return {};
+  }
+
+  /// Both focal lengths are off by the same: so a depth that is off hides best.
+  [[nodiscard]] RgbdCalibration stated_calibration(std::uint64_t seed) const {
+    RgbdCalibration calibration = camera_->calibration();
+    if (!group_.pinhole_sd) return calibration;
+    calibration.depth_sd = group_.pinhole_sd;
+    std::mt19937_64 random(seed ^ 0x50494E48U);
+    std::normal_distribution<double> draw;
+    const double focal = 1.0 + group_.pinhole_sd->focal_ratio * draw(random);
+    calibration.depth.focal_x_px *= focal;
+    calibration.depth.focal_y_px *= focal;
+    calibration.depth.center_x_px += group_.pinhole_sd->center_px * draw(random);
+    calibration.depth.center_y_px += group_.pinhole_sd->center_px * draw(random);
+    return calibration;
   }
 
   /// The body before the camera, which is not quite as in the CT.

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,9 @@ struct SelfCalibrationGroup {
   AddedBias added = AddedBias::kNone;
   double added_mm = 0.0;         ///< Root mean square at 800 mm.
   double changed_skin_mm = 0.0;  ///< The body has changed by so much since its CT, smoothly.
+  /// How exactly the camera's calibration knows its pinhole: what it says of it is off by that, at
+  /// random. None: it does not say how exact it is, and the pinhole is as `camera` has it.
+  std::optional<PinholeSd> pinhole_sd = std::nullopt;
   /// A recorded sensor's error, which the simulated camera gets, and the recorded body's change,
   /// which the body before it gets. Null: none.
   std::shared_ptr<const RecordedBias> recorded = nullptr;

@@ -312,7 +312,7 @@ void SelfCalibrator::estimate(std::stop_token stop) {
   const std::stop_callback at_the_end(stop, [&] { estimating.request_stop(); });
   const double started_ms = thread_cpu_ms();
   auto found = estimate_self_calibration(gathered_on_->mesh,
-                                         gathered_with_->depth,
+                                         *gathered_with_,
                                          gatherer_->views(),
                                          options_.estimate,
                                          estimating.get_token());

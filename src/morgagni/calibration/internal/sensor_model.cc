@@ -50,7 +50,7 @@ double SensorModel::weight(double z_mm, double cosine) {
   return trust / (noise * noise);
 }
 
-Eigen::MatrixXd SensorModel::prior_covariance() const {
+Eigen::MatrixXd SensorModel::prior_covariance(const DepthGrowth& growth) const {
   const auto nodes = static_cast<Eigen::Index>(num_nodes());
   Eigen::MatrixXd field(nodes, nodes);
   const double aspect = static_cast<double>(camera_.height_px) / camera_.width_px;
@@ -74,14 +74,15 @@ Eigen::MatrixXd SensorModel::prior_covariance() const {
   const auto size_of_all = static_cast<Eigen::Index>(size());
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(size_of_all, size_of_all);
   all.topLeftCorner(nodes, nodes) = field;
-  all.block(nodes, nodes, nodes, nodes) = squared(prior.not_growing_ratio) * field;
+  all.block(nodes, nodes, nodes, nodes) = growth.square * field;
+  all.block(0, nodes, nodes, nodes) = all.block(nodes, 0, nodes, nodes) = growth.with_g * field;
   const Eigen::Index pinhole = 2 * nodes;
-  const double both = squared(prior.focal_ratio);
+  const double both = squared(prior.pinhole.focal_ratio);
   const double apart = squared(prior.focal_difference_ratio);
   all(pinhole, pinhole) = all(pinhole + 1, pinhole + 1) = both + apart;
   all(pinhole, pinhole + 1) = all(pinhole + 1, pinhole) = both - apart;
-  all(pinhole + 2, pinhole + 2) = squared(prior.center_px / camera_.focal_x_px);
-  all(pinhole + 3, pinhole + 3) = squared(prior.center_px / camera_.focal_y_px);
+  all(pinhole + 2, pinhole + 2) = squared(prior.pinhole.center_px / camera_.focal_x_px);
+  all(pinhole + 3, pinhole + 3) = squared(prior.pinhole.center_px / camera_.focal_y_px);
   return all;
 }
 

@@ -33,6 +33,12 @@ struct SensorReading {
   std::array<float, 8> surface_share{};
 };
 
+/// How h goes with g (SensorModel) before anything was seen, against the covariance of g.
+struct DepthGrowth {
+  double with_g = 0.0;  ///< Covariance of h and g.
+  double square = 0.0;  ///< Variance of h.
+};
+
 /// The sensor's systematic error as a vector of parameters:
 ///
 ///   z' = z + g(u, v) s + h(u, v) (s - 1),   s = z / kReferenceMm
@@ -63,7 +69,7 @@ class SensorModel {
   [[nodiscard]] static double weight(double z_mm, double cosine);
 
   /// Covariance of the parameters before anything was seen: what sensors are known to do.
-  [[nodiscard]] Eigen::MatrixXd prior_covariance() const;
+  [[nodiscard]] Eigen::MatrixXd prior_covariance(const DepthGrowth& growth) const;
 
   /// Where the reading is when the parameters are `values`.
   [[nodiscard]] Eigen::Vector3d corrected(const SensorReading& reading,

@@ -54,6 +54,11 @@ class ViewModels {
   /// the least systematic error: no number of readings averages that out.
   void weigh_by(const ReadingsScatter& scatter, const std::vector<Bundle::View>& expected);
 
+  /// From now on the sensor's error goes with the distance as the views tell beforehand: in the
+  /// known ways, each as far as it explains them.
+  /// @param information  At `state`, which was fitted to the views with sensor and skin free.
+  void learn_growth(const BundleInformation& information, const BundleState& state);
+
  private:
   void find_seen_skin();
   void set_prior();
@@ -73,6 +78,7 @@ class ViewModels {
   BundleSizes sizes_;
   std::vector<Eigen::Vector3d> seen_mm_;
   BundleState start_;
+  DepthGrowth growth_;
   double weight_factor_ = 1.0;
   double table_weight_factor_ = 1.0;
   Eigen::MatrixXd sensor_prior_;
