@@ -78,13 +78,13 @@ Result<void> BodyCheck::find(const SkinOptions& options) {
   const auto matter = internal::threshold(coarse_, options.threshold_hu, options.upper_hu);
   for (const auto& mark : options.keep_mm)
     if (internal::is_near(matter, mark, coarse_)) mask_options.keep_mm.push_back(mark);
-  MOR_TRY(found->mask, internal::body_mask(coarse_, seen.volume, mask_options, {}));
+  MOR_TRY(found->mask, internal::body_mask(coarse_, seen, mask_options, {}));
   // A mark may have lost its part to the body: that can only be told once the body is found.
   for (const auto& mark : options.cut_mm)
     if (internal::is_near(found->mask.found_standing_out, mark, coarse_))
       mask_options.cut_mm.push_back(mark);
   if (!mask_options.cut_mm.empty()) {
-    MOR_TRY(found->mask, internal::body_mask(coarse_, seen.volume, mask_options, {}));
+    MOR_TRY(found->mask, internal::body_mask(coarse_, seen, mask_options, {}));
   }
   found->options = options;
 

@@ -197,9 +197,9 @@ Volume with_shell_at_an_ear(const Volume& head, const internal::BitMask& body) {
 TEST(RealCt, AnEarAgainstAHeadrestStaysAndTheHeadrestGoes) {
   const auto head = import_volume(data("ct_head_invesalius/promed_ct_0051.nii.gz"), {}, {});
   if (!head) GTEST_SKIP() << head.error().message;
-  const auto free = internal::body_mask(*head, internal::without_covers(*head), {}, {}).value();
+  const auto free = internal::body_mask(*head, internal::bare_ct(*head), {}, {}).value();
   const Volume pressed = with_shell_at_an_ear(*head, free.body);
-  const auto found = internal::body_mask(pressed, internal::without_covers(pressed), {}, {});
+  const auto found = internal::body_mask(pressed, internal::bare_ct(pressed), {}, {});
   ASSERT_TRUE(found) << found.error().message;
   constexpr double kThresholdHu = -300.0;
   const auto truth = internal::marching_cubes(*head, free.body, kThresholdHu);
@@ -283,8 +283,7 @@ TEST(RealCt, AChestInTwoSeriesIsJoinedAgain) {
   if (!fs::exists(data(archive))) GTEST_SKIP() << "no " << archive;
   const Unpacked folder(archive);
   const Volume chest = import_volume(folder.folder(), {}, {}).value();
-  const auto body =
-      internal::body_mask(chest, internal::without_covers(chest), {}, {}).value().body;
+  const auto body = internal::body_mask(chest, internal::bare_ct(chest), {}, {}).value().body;
   Volume lower = chest;
   lower.size[2] = 85;
   lower.hu.resize(chest.index(0, 0, 85));
@@ -307,7 +306,7 @@ TEST(RealCt, AChestInTwoSeriesIsJoinedAgain) {
   }
   const Volume joined = join_volumes(lower, upper, aligned->first_from_second, {}).value();
   const auto joined_body =
-      internal::body_mask(joined, internal::without_covers(joined), {}, {}).value().body;
+      internal::body_mask(joined, internal::bare_ct(joined), {}, {}).value().body;
   const auto truth = internal::marching_cubes(chest, body, -300.0);
   const auto skin = internal::marching_cubes(joined, joined_body, -300.0);
   const internal::TriangleGrid grid(truth);

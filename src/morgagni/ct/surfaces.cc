@@ -85,8 +85,7 @@ Result<BodyPreview> preview_body(const Volume& volume,
                                  const Progress& progress) {
   MOR_CHECK(options.check());
   MOR_TRY(const auto bare, bare_ct(volume, options, progress));
-  MOR_TRY(const auto body,
-          internal::body_mask(volume, bare.volume, body_options(options), progress));
+  MOR_TRY(const auto body, internal::body_mask(volume, bare, body_options(options), progress));
   return preview_of(volume, bare, body);
 }
 
@@ -95,8 +94,7 @@ Result<SkinSurfaces> extract_skin(const Volume& volume,
                                   const Progress& progress) {
   MOR_CHECK(options.check());
   MOR_TRY(const auto bare, bare_ct(volume, options, progress));
-  MOR_TRY(const auto body,
-          internal::body_mask(volume, bare.volume, body_options(options), progress));
+  MOR_TRY(const auto body, internal::body_mask(volume, bare, body_options(options), progress));
   SkinSurfaces surfaces;
   if (progress) progress("surface", 0.0);
   const Volume& seen = bare.volume ? *bare.volume : volume;

@@ -29,7 +29,7 @@ Eigen::AlignedBox3d box_of(const Volume& volume) {
 
 /// What is not the body becomes air; all of it stays where no body can be told from air.
 void keep_body(Volume& volume) {
-  const auto found = body_mask(volume, without_covers(volume), {}, {});
+  const auto found = body_mask(volume, bare_ct(volume), {}, {});
   for (int z = 0; z < volume.size[2]; ++z) {
     for (int y = 0; y < volume.size[1]; ++y) {
       for (int x = 0; x < volume.size[0]; ++x) {

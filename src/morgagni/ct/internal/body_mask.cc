@@ -27,6 +27,8 @@ constexpr double kFarthestMm = 40.0;
 constexpr double kLongestMm = 84.0;
 /// Smaller parts are no headrest's shell.
 constexpr double kLeastShellMm3 = 5000.0;
+/// A smaller part beside a tube is what was not recognized of it; ears are larger.
+constexpr double kLeastBesideTubeMm3 = 4000.0;
 constexpr double kOneStepMm = 6.25;
 /// A mark names what lies so near: the CT may be looked at coarsely where it is made.
 constexpr double kMarkMm = 3.0;
@@ -89,17 +91,21 @@ BitMask solid_inside(const BitMask& closed_mask,
 BitMask standing_out(const BitMask& rest,
                      const BitMask& beside_body,
                      const BitMask& near_core,
+                     const BitMask& beside_tube,
                      const Eigen::Vector3d& spacing_mm) {
   const Components parts(rest);
   const auto touching = parts.overlap(beside_body);
   const auto near = parts.overlap(near_core);
+  const auto of_tube = parts.overlap(beside_tube);
+  const auto least_voxels = static_cast<std::size_t>(kLeastBesideTubeMm3 / spacing_mm.prod());
   return parts.select([&](std::size_t i) {
     const auto& part = parts.parts()[i];
     const Eigen::Vector3d size_mm = Eigen::Vector3d(part.high_x - part.low_x + 1,
                                                     part.high_y - part.low_y + 1,
                                                     part.high_z - part.low_z + 1)
                                         .cwiseProduct(spacing_mm);
-    return touching[i] > 0 && near[i] == part.num_voxels && size_mm.maxCoeff() <= kLongestMm;
+    return touching[i] > 0 && near[i] == part.num_voxels && size_mm.maxCoeff() <= kLongestMm &&
+           (of_tube[i] == 0 || part.num_voxels >= least_voxels);
   });
 }
 
@@ -135,7 +141,10 @@ struct Torn {
 };
 
 /// The solid mask without what only leans on the body.
-Torn without_what_leans_on(const BitMask& solid, const Eigen::Vector3d& spacing_mm) {
+/// @param tube  Where some was taken off, and around it.
+Torn without_what_leans_on(const BitMask& solid,
+                           const BitMask& tube,
+                           const Eigen::Vector3d& spacing_mm) {
   const BitMask core = largest_part(opened(solid, kOpeningMm, spacing_mm));
   // A hollow thing of thin walls, open to the air: nothing about it is thicker than a table.
   if (core.count() == 0) return {solid, BitMask(solid.size())};
@@ -145,10 +154,14 @@ Torn without_what_leans_on(const BitMask& solid, const Eigen::Vector3d& spacing_
   rest.subtract(body);
   const BitMask beside_body = grown_by_a_voxel(body);
   const BitMask near_core = grown_far(core, kFarthestMm, spacing_mm);
-  BitMask given_back = standing_out(rest, beside_body, near_core, spacing_mm);
+  const BitMask beside_tube = grown_by_a_voxel(tube);
+  BitMask given_back = standing_out(rest, beside_body, near_core, beside_tube, spacing_mm);
+  rest.subtract(given_back);
+  rest.subtract(tube);  // Slivers of one hang on an ear that it lay against.
+  given_back |= standing_out(rest, beside_body, near_core, beside_tube, spacing_mm);
   rest.subtract(given_back);
   const BitMask freed = freed_of_shells(rest, beside_body, middle_of(core), spacing_mm);
-  given_back |= standing_out(freed, beside_body, near_core, spacing_mm);
+  given_back |= standing_out(freed, beside_body, near_core, beside_tube, spacing_mm);
   body |= given_back;
   return {std::move(body), std::move(given_back)};
 }
@@ -249,7 +262,7 @@ bool is_near(const BitMask& mask, const Eigen::Vector3d& place_mm, const Volume&
 }
 
 Result<BodyMask> body_mask(const Volume& volume,
-                           const std::optional<Volume>& bare,
+                           const BareCt& bare,
                            const BodyMaskOptions& options,
                            const Progress& progress) {
   const auto report = [&](const char* stage, double fraction) {
@@ -267,7 +280,7 @@ Result<BodyMask> body_mask(const Volume& volume,
                           " HU: widen the thresholds, or check that the file is a CT");
   }
   MOR_CHECK(check_air(mask, volume, options.threshold_hu));
-  if (bare) mask = threshold(*bare, options.threshold_hu, options.upper_hu);
+  if (bare.volume) mask = threshold(*bare.volume, options.threshold_hu, options.upper_hu);
   report("threshold", 1.0);
 
   report("closing", 0.0);
@@ -279,9 +292,9 @@ Result<BodyMask> body_mask(const Volume& volume,
   mask |= small_pockets(mask, volume.spacing_mm);
   mask |= solid_inside(whole, options.closing_mm, volume.spacing_mm);
   report("body", 0.5);
-  Torn torn = without_what_leans_on(mask, volume.spacing_mm);
-  report("body", 0.8);
   const BitMask nothing(volume.size);
+  Torn torn = without_what_leans_on(mask, bare.volume ? bare.tube : nothing, volume.spacing_mm);
+  report("body", 0.8);
   result.body = finished(torn.body, nothing, options.closing_mm, volume.spacing_mm);
   result.found_cut = result.matter;
   result.found_cut.subtract(result.body);

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -10,6 +9,7 @@
 #include "morgagni/core/progress.h"
 #include "morgagni/core/result.h"
 #include "morgagni/ct/internal/bit_mask.h"
+#include "morgagni/ct/internal/uncovering.h"
 #include "morgagni/geometry/volume.h"
 
 namespace mor::internal {
@@ -39,13 +39,12 @@ struct BodyMask {
 ///
 /// A part that a mark of `keep_mm` lies in is kept even where it does not touch the body (an arm).
 ///
-/// @param bare  The CT without the covers that touch the skin (without_covers()): the skin lies at
-/// the
-///              threshold in it. None: there are none.
+/// @param bare  The CT without the covers that touch the skin (bare_ct()): the skin lies at the
+///              threshold in it. Small parts that a tube was taken off beside are not given back.
 /// @errors kInvalidArgument: no voxel within the thresholds; no air beside the body; a mark
 ///         with no part there.
 [[nodiscard]] Result<BodyMask> body_mask(const Volume& volume,
-                                         const std::optional<Volume>& bare,
+                                         const BareCt& bare,
                                          const BodyMaskOptions& options,
                                          const Progress& progress);
 

@@ -12,6 +12,7 @@
 #include "morgagni/ct/internal/components.h"
 #include "morgagni/ct/internal/skin_profiles.h"
 #include "morgagni/ct/internal/thin_layers.h"
+#include "morgagni/ct/internal/tubes.h"
 #include "morgagni/ct/internal/volume_sample.h"
 
 namespace mor::internal {
@@ -150,13 +151,33 @@ void note_unknown(const SkinProfiles& profiles,
   peeled.unknown |= profiles.voxels_of(places, volume);
 }
 
+/// Whether there were any. What uncovering left of a cover can be round, too.
+bool take_tubes_out(const SkinProfiles& profiles,
+                    const BitMask& settled,
+                    Volume& volume,
+                    BitMask& taken) {
+  const auto is_settled = [&](const Eigen::Vector3d& mm) {
+    const Eigen::Vector3i at = volume.nearest_voxel(mm);
+    return settled.test(at.x(), at.y(), at.z());
+  };
+  auto tubes = find_tubes(volume, profiles);
+  std::erase_if(tubes, [&](const Tube& tube) {
+    return std::any_of(tube.axis_mm.begin(), tube.axis_mm.end(), is_settled);
+  });
+  if (tubes.empty()) return false;
+  const Volume before = volume;
+  for (const Tube& tube : tubes) take_out(tube, before, volume, taken);
+  return true;
+}
+
 }  // namespace
 
 Peeled peel(Volume& volume, const BitMask& cover, const std::vector<Eigen::Vector3d>& take_off_mm) {
   constexpr int kMostLayers = 2;
   constexpr double kNearMm = 3.0;
   const BitMask settled = dilated(cover, kNearMm, volume.spacing_mm);
-  Peeled peeled = {false, BitMask(volume.size), BitMask(volume.size), BitMask(volume.size)};
+  const BitMask nothing(volume.size);
+  Peeled peeled = {false, nothing, nothing, nothing, nothing};
   std::vector<Eigen::Vector3f> asked_mm;
   const Eigen::Isometry3d grid_from_ct = volume.ct_from_grid.inverse();
   for (const auto& place_mm : take_off_mm)
@@ -167,6 +188,11 @@ Peeled peel(Volume& volume, const BitMask& cover, const std::vector<Eigen::Vecto
     peeled.asked |= profiles.voxels_of(layers.asked, volume);
     if (!layers.asked.empty()) asked_mm.clear();
     leave(settled, profiles, volume, layers);
+    if (layer == 0 && take_tubes_out(profiles, settled, volume, peeled.tube)) {
+      peeled.found_any = true;
+      peeled.taken |= peeled.tube;
+      leave(peeled.tube, profiles, volume, layers);
+    }
     note_unknown(profiles, layers.unknown_mm, volume, peeled);
     if (std::all_of(
             layers.thick_mm.begin(), layers.thick_mm.end(), [](float mm) { return mm == 0.0F; }))

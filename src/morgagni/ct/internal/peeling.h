@@ -15,6 +15,7 @@ namespace mor::internal {
 struct Peeled {
   bool found_any = false;
   BitMask taken;                 ///< What was made air.
+  BitMask tube;                  ///< Of this, what were tubes.
   BitMask asked;                 ///< Surface where it was taken off because somebody asked for it.
   BitMask unknown;               ///< Surface near to a layer that may go on unseen.
   double most_unknown_mm = 0.0;  ///< How thick that may be.

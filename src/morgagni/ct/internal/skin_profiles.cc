@@ -12,7 +12,6 @@
 namespace mor::internal {
 namespace {
 
-constexpr double kCellMm = 3.0;
 /// The way inwards is seen from what lies within this distance.
 constexpr double kFacingMm = 5.0;
 constexpr double kFacingStepMm = 1.2;
@@ -177,21 +176,6 @@ double SkinProfiles::area_mm2(const std::vector<std::size_t>& profiles) const {
   double sum = 0.0;
   for (const std::size_t i : profiles) sum += profiles_[i].area_mm2;
   return sum;
-}
-
-template <class Visit>
-void SkinProfiles::for_each_near(const Eigen::Vector3f& place_mm,
-                                 int reach,
-                                 const Visit& visit) const {
-  const Eigen::Vector3i middle = (place_mm / static_cast<float>(kCellMm)).cast<int>();
-  for (int dz = -reach; dz <= reach; ++dz) {
-    for (int dy = -reach; dy <= reach; ++dy) {
-      for (int dx = -reach; dx <= reach; ++dx) {
-        const auto number = at({middle.x() + dx, middle.y() + dy, middle.z() + dz});
-        if (number >= 0) visit(static_cast<std::size_t>(number));
-      }
-    }
-  }
 }
 
 std::optional<std::size_t> SkinProfiles::nearest(const Eigen::Vector3f& place_mm) const {

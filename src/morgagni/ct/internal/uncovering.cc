@@ -250,13 +250,10 @@ BareCt bare_ct(const Volume& volume, const std::vector<Eigen::Vector3d>& take_of
   bare.unknown = dilated(layers.unknown, kSkinMm, volume.spacing_mm);
   bare.most_unknown_mm = layers.most_unknown_mm;
   bare.cover = dilated(*covers, kSkinMm, volume.spacing_mm);
+  bare.tube = dilated(layers.tube, kSkinMm, volume.spacing_mm);
   bare.layer = dilated(layers.taken, kSkinMm, volume.spacing_mm);
   if (layers.found_any || covers->count() > 0) bare.volume = std::move(peeled);
   return bare;
-}
-
-std::optional<Volume> without_covers(const Volume& volume) {
-  return bare_ct(volume).volume;
 }
 
 }  // namespace mor::internal

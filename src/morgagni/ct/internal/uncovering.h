@@ -27,6 +27,7 @@ struct BareCt {
   std::optional<Volume> volume;  ///< None: nothing lies on the body.
   BitMask cover;                 ///< What foreign_matter() finds.
   BitMask layer;                 ///< Thin layers that were taken off (peel()).
+  BitMask tube;                  ///< Of these, tubes.
   BitMask asked;                 ///< Where one was taken off because somebody asked for it.
   BitMask unknown;               ///< Surface where a thin layer may go on unseen.
   double most_unknown_mm = 0.0;  ///< ... of at most this thickness.
@@ -35,8 +36,5 @@ struct BareCt {
 /// @param take_off_mm  SkinOptions::take_off_mm.
 [[nodiscard]] BareCt bare_ct(const Volume& volume,
                              const std::vector<Eigen::Vector3d>& take_off_mm = {});
-
-/// The volume of it alone.
-[[nodiscard]] std::optional<Volume> without_covers(const Volume& volume);
 
 }  // namespace mor::internal

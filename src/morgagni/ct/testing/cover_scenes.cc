@@ -212,6 +212,25 @@ Cover tube(Dice& dice) {
       }};
 }
 
+/// Solid, or full of fluid; it touches the skin here and hangs over it there.
+Cover line(Dice& dice) {
+  const double hu = dice(20.0, 400.0);
+  const double radius_mm = dice(1.5, 3.5);
+  const double height_mm = dice(3.0, 12.0);
+  const double phase = dice(0.0, 6.0);
+  const Eigen::Vector3d across =
+      Eigen::Vector3d(dice(-0.5, 0.5), dice(-0.5, 0.5), dice(0.4, 1.0)).normalized();
+  const Eigen::Vector3d towards = dice.direction(3.0);
+  const double off_mm = dice(-25.0, 25.0);
+  return {15.0, [=](const Place& place) {
+            const double angle = std::atan2(place.mm.y(), place.mm.x());
+            const double lifted_mm = std::max(0.0, height_mm * std::sin(4.0 * angle + phase));
+            const double from_mm =
+                std::hypot(place.mm.dot(across) - off_mm, place.skin_mm - lifted_mm - radius_mm);
+            return Matter{std::min(radius_mm - from_mm, place.mm.dot(towards)), hu};
+          }};
+}
+
 /// A shell behind the body that bridges its hollows; foam around it where the shell is thin.
 Cover bed(double shell_hu, double shell_mm, double foam_hu, double reach_mm, Dice& dice) {
   const double behind_mm = dice(0.0, 30.0);
@@ -242,6 +261,7 @@ Cover cover_of(const std::string& kind, double back_mm, unsigned seed) {
       {"plaster-thin", [&] { return plaster(4.0, 6.0, dice); }},
       {"silicone", [&] { return silicone(back_mm, dice); }},
       {"tube", [&] { return tube(dice); }},
+      {"line", [&] { return line(dice); }},
       {"headrest", [&] { return bed(90.0, 3.0, kAirHu, 0.0, dice); }},
       {"mattress", [&] { return bed(20.0, 1.2, -880.0, 40.0, dice); }}};
   return kinds.at(kind)();
@@ -306,15 +326,14 @@ std::vector<float> from_hull_mm(const BareBody& bare) {
 
 BareBody bare_body(const Volume& ct) {
   BareBody bare;
-  const auto without = internal::without_covers(ct);
-  bare.volume = without ? *without : ct;
+  const auto without = internal::bare_ct(ct);
+  bare.volume = without.volume ? *without.volume : ct;
   const BitMask near =
       dilated(internal::body_mask(ct, without, {}, {}).value().body, 2.5, ct.spacing_mm);
   for_each(ct, [&](int x, int y, int z) {
     if (!near.test(x, y, z)) bare.volume.hu[ct.index(x, y, z)] = static_cast<std::int16_t>(kAirHu);
   });
-  bare.body =
-      internal::body_mask(bare.volume, internal::without_covers(bare.volume), {}, {}).value().body;
+  bare.body = internal::body_mask(bare.volume, internal::bare_ct(bare.volume), {}, {}).value().body;
   bare.skin = internal::marching_cubes(bare.volume, bare.body, kThresholdHu);
   bare.from_body_mm = distance_mm(bare.body, ct.spacing_mm);
   bare.from_hull_mm = from_hull_mm(bare);
@@ -333,6 +352,7 @@ std::vector<std::string> cover_kinds() {
           "plaster-thin",
           "silicone",
           "tube",
+          "line",
           "headrest",
           "mattress"};
 }
