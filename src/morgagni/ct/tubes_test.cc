@@ -50,6 +50,21 @@ TEST(Tubes, AreFoundWhereTheyLieAgainstTheSkin) {
   }
 }
 
+/// One leaves it through a side, at a slant: its axis goes on beyond, half of it does not.
+TEST(Tubes, EndWhereTheCtDoes) {
+  constexpr double kEdgeMm = 59.5;
+  const auto tubes = tubes_of(make_volume(120, 1.0, [](const Eigen::Vector3d& place) {
+    const double slanted_mm = place.x() - 55.0 - 0.1 * place.z();
+    const double from_mm = std::hypot(slanted_mm, place.y());
+    return std::max(trunk_mm(place), std::min(5.0 - from_mm, from_mm - 3.0));
+  }));
+  ASSERT_EQ(tubes.size(), 1U);
+  for (const auto& mm : tubes.front().axis_mm) {
+    EXPECT_GE(mm.minCoeff(), 0.0);
+    EXPECT_LE(mm.maxCoeff(), 2.0 * kEdgeMm);
+  }
+}
+
 TEST(Tubes, AreNoRimsOfEarsAndNoFingers) {
   const auto tubes = tubes_of(make_volume(120, 1.0, [&](const Eigen::Vector3d& place) {
     const double rim = bow_mm(place, 18.0, 2.8, 2.5);

@@ -11,6 +11,7 @@
 
 #include <Eigen/Dense>
 
+#include "morgagni/core/statistics.h"
 #include "morgagni/ct/internal/volume_sample.h"
 
 namespace mor::internal {
@@ -28,6 +29,13 @@ constexpr double kStepMm = 2.0;
 double hu_at(const Volume& volume, Vector3d mm) {
   mm.z() = std::clamp(mm.z(), 0.0, (volume.size[2] - 1) * volume.spacing_mm.z());
   return sampled_hu(volume, mm).value_or(kAirHu);
+}
+
+bool is_inside(const Volume& volume, const Vector3d& mm) {
+  const Vector3d last_mm =
+      (Eigen::Map<const Eigen::Vector3i>(volume.size.data()).array() - 1).cast<double>() *
+      volume.spacing_mm.array();
+  return (mm.array() >= 0.0).all() && (mm.array() <= last_mm.array()).all();
 }
 
 /// A tube cut across.
@@ -131,7 +139,7 @@ class Rim {
   std::array<std::optional<double>, kNumRays> edges_mm_;  ///< From the middle.
 };
 
-/// The section nearest to a guess.
+/// The section nearest to a guess, its middle inside the CT.
 std::optional<Section> section_near(const Volume& volume, Section section, const Sight& sight) {
   constexpr int kRounds = 3;
   for (int round = 0; round < kRounds; ++round) {
@@ -140,6 +148,7 @@ std::optional<Section> section_near(const Volume& volume, Section section, const
       return std::nullopt;
     section = *found;
   }
+  if (!is_inside(volume, section.middle_mm)) return std::nullopt;
   if (!Rim(volume, section).is_round(section.radius_mm, sight)) return std::nullopt;
   return section;
 }
@@ -224,7 +233,6 @@ class Search {
     for (int gap = 0; gap <= kMostGap && path.size() < kMostSections;) {
       Section guess = last;
       guess.middle_mm += kStepMm * (gap + 1) * last.along;
-      if (!is_in(guess.middle_mm)) break;
       auto next = section_near(volume_, guess, kFollowing);
       if (!next || !is_as_large(next->radius_mm, start.radius_mm) ||
           (next->middle_mm - guess.middle_mm).norm() > kStepMm) {
@@ -243,10 +251,6 @@ class Search {
       last = *next;
     }
     return path;
-  }
-
-  [[nodiscard]] bool is_in(const Vector3d& mm) const {
-    return mm.z() >= 0.0 && mm.z() <= (volume_.size[2] - 1) * volume_.spacing_mm.z();
   }
 
   [[nodiscard]] static bool is_as_large(double radius_mm, double wanted_mm) {
@@ -270,17 +274,11 @@ class Search {
     constexpr double kLeastMm = 110.0;
     std::vector<double> hu;
     for (const Section& section : path) hu.push_back(hu_at(volume_, section.middle_mm));
-    const double middle_hu = middle_of(std::move(hu));
+    const double middle_hu = quantile(std::move(hu), 0.5);
     const double length_mm = kStepMm * static_cast<double>(path.size() - 1);
     return length_mm >= (middle_hu < kLumenHu   ? kLeastWithLumenMm
                          : middle_hu > kDenseHu ? kLeastDenseMm
                                                 : kLeastMm);
-  }
-
-  [[nodiscard]] static double middle_of(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
   }
 
   [[nodiscard]] static Tube tube_of(const Path& path) {
@@ -290,7 +288,7 @@ class Search {
       tube.axis_mm.push_back(section.middle_mm);
       radii_mm.push_back(section.radius_mm);
     }
-    tube.radius_mm = middle_of(std::move(radii_mm));
+    tube.radius_mm = quantile(std::move(radii_mm), 0.5);
     return tube;
   }
 

@@ -195,21 +195,38 @@ Cover clothing(Dice& dice) {
           }};
 }
 
-/// Along the skin, in a slanted plane.
+/// Along the skin in a slanted plane, on one side of the body.
+class Course {
+ public:
+  explicit Course(Dice& dice)
+      : across_(Eigen::Vector3d(dice(-0.5, 0.5), dice(-0.5, 0.5), dice(0.4, 1.0)).normalized()),
+        towards_(dice.direction(3.0)),
+        off_mm_(dice(-25.0, 25.0)) {}
+
+  /// From a line so far over the skin.
+  [[nodiscard]] double from_mm(const Place& place, double over_skin_mm) const {
+    return std::hypot(place.mm.dot(across_) - off_mm_, place.skin_mm - over_skin_mm);
+  }
+  /// Negative on the body's other side.
+  [[nodiscard]] double side_mm(const Place& place) const { return place.mm.dot(towards_); }
+
+ private:
+  Eigen::Vector3d across_;
+  Eigen::Vector3d towards_;
+  double off_mm_;
+};
+
 Cover tube(Dice& dice) {
   const double radius_mm = dice(3.5, 7.0);
   const double wall_mm = dice(1.5, 2.5);
-  const Eigen::Vector3d across =
-      Eigen::Vector3d(dice(-0.5, 0.5), dice(-0.5, 0.5), dice(0.4, 1.0)).normalized();
-  const Eigen::Vector3d towards = dice.direction(3.0);
-  const double off_mm = dice(-25.0, 25.0);
-  return {
-      15.0, [=](const Place& place) {
-        const double from_mm = std::hypot(place.mm.dot(across) - off_mm, place.skin_mm - radius_mm);
-        return Matter{
-            std::min({radius_mm - from_mm, from_mm - (radius_mm - wall_mm), place.mm.dot(towards)}),
-            120.0};
-      }};
+  const Course course(dice);
+  return {15.0, [=](const Place& place) {
+            const double from_mm = course.from_mm(place, radius_mm);
+            return Matter{std::min({radius_mm - from_mm,
+                                    from_mm - (radius_mm - wall_mm),
+                                    course.side_mm(place)}),
+                          120.0};
+          }};
 }
 
 /// Solid, or full of fluid; it touches the skin here and hangs over it there.
@@ -218,16 +235,12 @@ Cover line(Dice& dice) {
   const double radius_mm = dice(1.5, 3.5);
   const double height_mm = dice(3.0, 12.0);
   const double phase = dice(0.0, 6.0);
-  const Eigen::Vector3d across =
-      Eigen::Vector3d(dice(-0.5, 0.5), dice(-0.5, 0.5), dice(0.4, 1.0)).normalized();
-  const Eigen::Vector3d towards = dice.direction(3.0);
-  const double off_mm = dice(-25.0, 25.0);
+  const Course course(dice);
   return {15.0, [=](const Place& place) {
             const double angle = std::atan2(place.mm.y(), place.mm.x());
             const double lifted_mm = std::max(0.0, height_mm * std::sin(4.0 * angle + phase));
-            const double from_mm =
-                std::hypot(place.mm.dot(across) - off_mm, place.skin_mm - lifted_mm - radius_mm);
-            return Matter{std::min(radius_mm - from_mm, place.mm.dot(towards)), hu};
+            const double from_mm = course.from_mm(place, lifted_mm + radius_mm);
+            return Matter{std::min(radius_mm - from_mm, course.side_mm(place)), hu};
           }};
 }
 
