@@ -265,7 +265,7 @@ class Search {
                                 [&](std::size_t i) { is_done_[i] = 1; });
   }
 
-  /// On real bodies what is round is lost after 60 mm at most.
+  /// Nothing that is round of three real bodies is as long (RealCovers.NothingOfABodyIsATube).
   [[nodiscard]] bool is_tube(const Path& path) const {
     constexpr double kLumenHu = -250.0;
     constexpr double kLeastWithLumenMm = 60.0;
