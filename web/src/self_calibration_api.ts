@@ -30,6 +30,8 @@ export interface FoundError {
   /** The same, at most. */
   skin_most_mm: number;
   views: number;
+  /** A table under the body told along: less stays unknown. */
+  sees_table: boolean;
   parts_better: number;
   parts: number;
   map: CorrectionMap;

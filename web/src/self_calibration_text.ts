@@ -48,12 +48,14 @@ function restWords({ found, applied }: SelfCalibration): string {
       return 'The skin is too far from the CT’s: another body, or a cover. Nothing can be checked on it.';
     case 'too-little-motion':
     case 'too-few-views':
-      return 'The camera moved too little to tell its error from the body’s place.';
+      return 'The camera moved too little to tell its error from the body’s place.'
+        + (found!.sees_table ? '' : ' A table in much of the picture helps.');
   }
 }
 
 /** What a yes would do and how sure it is. */
 export function proposalLines(found: FoundError): string[] {
+  const noTable = found.sees_table ? '' : ' No table was seen under the body: with much of it in the picture less stays.';
   const all = found.parts_better === found.parts ? 'all ' : '';
   const lines: string[] = [];
   if (found.follows_skin) {
@@ -62,7 +64,7 @@ export function proposalLines(found: FoundError): string[] {
       + ' exported stays the CT’s.');
   }
   lines.push(
-    `Applying removes this. What this motion cannot show stays: about ${mm(found.remaining_mm)}.`,
+    `Applying removes this. What this motion cannot show stays: about ${mm(found.remaining_mm)}.${noTable}`,
     `How sure: ${all}${found.parts_better} of ${found.parts} checks on views that were not used agree.`,
     'Until then, the error bound counts it in.',
   );

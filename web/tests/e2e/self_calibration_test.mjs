@@ -25,7 +25,7 @@ for (let i = 0; i < 130; ++i) {
 }
 const found = {
   verdict: 'error', corrects_sensor: true, follows_skin: true, now_mm: 1.94, shift_mm: 1.7,
-  remaining_mm: 0.81, skin_mm: 0.62, skin_most_mm: 1.83, views: 60, parts_better: 6, parts: 6, map,
+  remaining_mm: 0.81, skin_mm: 0.62, skin_most_mm: 1.83, views: 60, sees_table: false, parts_better: 6, parts: 6, map,
 };
 const gathering = {
   phase: 'gathering', views: 23, wanted_views: 60, views_in_part: [0, 3, 0, 2, 23, 8, 0, 11, 0],

@@ -9,7 +9,7 @@ import {
 const map: CorrectionMap = { columns: 3, rows: 2, at_mm: 700, add_mm: [-2.2, 0, 1, 0, 0, 1] };
 const found: FoundError = {
   verdict: 'error', corrects_sensor: true, follows_skin: false, now_mm: 1.94, shift_mm: 1.94,
-  remaining_mm: 0.81, skin_mm: 0.1, skin_most_mm: 0.2, views: 60, parts_better: 6, parts: 6, map,
+  remaining_mm: 0.81, skin_mm: 0.1, skin_most_mm: 0.2, views: 60, sees_table: true, parts_better: 6, parts: 6, map,
 };
 const state: SelfCalibration = {
   phase: 'gathering', views: 12, wanted_views: 60, views_in_part: [0, 1, 0, 0, 9, 0, 0, 0, 0],
@@ -35,6 +35,15 @@ describe('what the panel says', () => {
     expect(sure).toContain('all 6 of 6');
     expect(proposalLines({ ...found, parts_better: 5 })[1]).toContain(': 5 of 6');
     expect(proposalLines(found)[2]).toContain('bound counts it in');
+  });
+
+  it('asks for the table where none was seen', () => {
+    expect(proposalLines(found)[0]).not.toContain('table');
+    expect(proposalLines({ ...found, sees_table: false })[0]).toMatch(/0\.8 mm\. No table was seen/);
+    const rests = (sees_table: boolean): string => headline(
+      { ...state, phase: 'resting', found: { ...found, verdict: 'too-little-motion', sees_table } }, 'tracking');
+    expect(rests(true)).not.toContain('table');
+    expect(rests(false)).toContain('A table in much of the picture helps.');
   });
 
   it('says how far the skin has changed, and that the CT stays as it is', () => {

@@ -39,6 +39,7 @@ Json found_json(const SelfCalibration& found) {
           {"shift_mm", found.shift_mm},
           {"remaining_mm", found.proposes() ? found.left_mm() : found.remaining_mm},
           {"views", found.num_views},
+          {"sees_table", found.sees_table},
           {"parts_better", gain.num_better},
           {"parts", held.num_folds},
           {"significance", gain.significance},
