@@ -17,6 +17,7 @@
 #include "morgagni/casefile/prepare.h"
 #include "morgagni/core/files.h"
 #include "morgagni/core/image_png.h"
+#include "morgagni/core/kept_memory.h"
 #include "morgagni/core/progress.h"
 #include "morgagni/session/skin_check.h"
 
@@ -188,6 +189,7 @@ void run(Arguments& arguments, bool has_folder) {
     skin.take_off_mm.push_back(place_option("--take-off", text));
   for (const auto& text : arguments.cut) skin.cut_mm.push_back(place_option("--cut", text));
   if (arguments.list_series) return list_series(arguments.ct);
+  keep_freed_memory();
   if (!arguments.preview.empty()) return preview(arguments);
   if (!has_folder) throw CLI::RequiredError("--case");
   if (!arguments.add.empty()) arguments.folder = folder_to_add(arguments);

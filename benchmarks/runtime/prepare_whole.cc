@@ -20,6 +20,7 @@
 #include <time.h>
 
 #include "morgagni/casefile/prepare.h"
+#include "morgagni/core/kept_memory.h"
 #include "morgagni/core/log.h"
 
 namespace mor {
@@ -174,5 +175,6 @@ int main(int argc, char** argv) {
     return 2;
   }
   mor::log::set_up(false);
+  mor::keep_freed_memory();  // As `morgagni prepare` does.
   return mor::run(argv[1], argv[2]);
 }

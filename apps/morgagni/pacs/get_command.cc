@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "morgagni/casefile/prepare.h"
+#include "morgagni/core/kept_memory.h"
 #include "morgagni/core/log.h"
 #include "morgagni/pacs/download.h"
 
@@ -105,6 +106,7 @@ std::vector<PacsSeries> choose_series(PacsPeer& peer,
 }
 
 void prepare(const Arguments& arguments) {
+  keep_freed_memory();
   const auto summary = value_or_exit(
       prepare_case(arguments.out, arguments.case_folder, PrepareOptions{}, console_progress()));
   fmt::print(

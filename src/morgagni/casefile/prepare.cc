@@ -5,10 +5,13 @@
 #include <array>
 #include <chrono>
 #include <map>
+#include <mutex>
 #include <string>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
+#include <tbb/parallel_invoke.h>
 
 #include "morgagni/casefile/added_cts.h"
 #include "morgagni/casefile/case.h"
@@ -238,18 +241,57 @@ Result<void> write_case(const fs::path& folder,
                     document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
+/// Pieces of work side by side, told as one stage.
+class SideBySide {
+ public:
+  explicit SideBySide(const Progress& progress) : progress_(progress) {}
+
+  /// To tell a piece's progress to. @param share  Of the whole.
+  [[nodiscard]] Progress part(double share) {
+    return [this, share, told = 0.0](std::string_view, double fraction) mutable {
+      if (fraction <= told) return;
+      const std::lock_guard lock(mutex_);
+      done_ += share * (fraction - std::exchange(told, fraction));
+      progress_(kStage, std::min(done_, 0.99));
+    };
+  }
+  void end() const { progress_(kStage, 1.0); }
+
+ private:
+  static constexpr const char* kStage = "surfaces";
+  const Progress& progress_;
+  std::mutex mutex_;
+  double done_ = 0.0;
+};
+
 /// Surfaces and voxels of the CT: all that a case holds.
 Result<Prepared> made_of(const Volume& volume,
                          const PrepareOptions& options,
                          const Progress& progress,
                          PrepareSummary& summary) {
   Prepared prepared;
-  MOR_TRY(auto skin, extract_skin(volume, options.skin, progress));
-  MOR_TRY(prepared.bone, extract_bone(skin.body, options.bone, progress));
-  MOR_TRY(prepared.structures, internal::all_structures(volume, skin.body, options, progress));
-  progress("distance field", 0.0);
-  MOR_TRY(prepared.field, DistanceField::build(skin.remeshed));
-  progress("distance field", 1.0);
+  MOR_TRY(auto skin, find_skin(volume, options.skin, progress));
+  Result<TriangleMesh> remeshed;
+  Result<DistanceField> field;
+  Result<TriangleMesh> bone;
+  Result<std::vector<StructureSurface>> found;
+  SideBySide work(progress);
+  tbb::parallel_invoke(  // Most of each keeps one core busy.
+      [&] {
+        remeshed = remesh_skin(skin.full, options.skin, work.part(0.4));
+        if (remeshed) field = DistanceField::build(*remeshed);
+      },
+      [&] {
+        bone = extract_bone(skin.body, options.bone, work.part(0.3));
+        found = extract_automatic_structures(skin.body, options.automatic, work.part(0.3));
+      });
+  MOR_TRY(skin.remeshed, std::move(remeshed));
+  MOR_TRY(prepared.field, std::move(field));
+  MOR_TRY(prepared.bone, std::move(bone));
+  MOR_TRY(auto structures, std::move(found));
+  work.end();
+  MOR_TRY(prepared.structures,
+          internal::all_structures(volume, std::move(structures), options, progress));
   summary.num_skin_vertices = skin.remeshed.vertices.size();
   summary.num_full_skin_vertices = skin.full.vertices.size();
   summary.num_bone_triangles = prepared.bone.triangles.size();

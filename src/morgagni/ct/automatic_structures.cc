@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include <tbb/parallel_for.h>
+
 #include "morgagni/ct/internal/components.h"
 #include "morgagni/ct/internal/marching_cubes.h"
 #include "morgagni/ct/internal/surface_finish.h"
@@ -43,23 +45,14 @@ struct Found {
 std::pair<Volume, BitMask> cut_out(const Volume& volume, const Found& found) {
   constexpr int kMargin = 2;
   constexpr double kContrastHu = 500.0;
-  std::array<int, 3> low = volume.size;
-  std::array<int, 3> high = {-1, -1, -1};
-  const Components parts(found.mask);
-  for (const auto& part : parts.parts()) {
-    low = {
-        std::min(low[0], part.low_x), std::min(low[1], part.low_y), std::min(low[2], part.low_z)};
-    high = {std::max(high[0], part.high_x),
-            std::max(high[1], part.high_y),
-            std::max(high[2], part.high_z)};
-  }
+  auto [low, end] = internal::box_of(found.mask);
   Volume box;
   box.spacing_mm = volume.spacing_mm;
   Eigen::Vector3d low_mm;
   for (int axis = 0; axis < 3; ++axis) {
     const auto i = static_cast<std::size_t>(axis);
     low[i] -= kMargin;
-    box.size[i] = high[i] + kMargin - low[i] + 1;
+    box.size[i] = end[i] + kMargin - low[i];
     low_mm[axis] = low[i] * volume.spacing_mm[axis];
   }
   box.ct_from_grid = volume.ct_from_grid * Eigen::Translation3d(low_mm);
@@ -67,18 +60,20 @@ std::pair<Volume, BitMask> cut_out(const Volume& volume, const Found& found) {
   const auto beyond =
       static_cast<std::int16_t>(found.threshold_hu + (is_dark ? kContrastHu : -kContrastHu));
   BitMask inside(box.size);
-  for (int z = 0; z < box.size[2]; ++z) {
+  box.hu.resize(box.index(0, 0, box.size[2]));
+  tbb::parallel_for(0, box.size[2], [&, low = low](int z) {
     for (int y = 0; y < box.size[1]; ++y) {
       for (int x = 0; x < box.size[0]; ++x) {
         const std::array<int, 3> at = {x + low[0], y + low[1], z + low[2]};
         bool is_there = true;
         for (std::size_t i = 0; i < 3; ++i)
           is_there = is_there && at[i] >= 0 && at[i] < volume.size[i];
-        box.hu.push_back(is_there ? volume.hu[volume.index(at[0], at[1], at[2])] : beyond);
+        box.hu[box.index(x, y, z)] =
+            is_there ? volume.hu[volume.index(at[0], at[1], at[2])] : beyond;
         if (is_there && found.mask.test(at[0], at[1], at[2])) inside.set_run(y, z, x, x + 1);
       }
     }
-  }
+  });
   return {std::move(box), std::move(inside)};
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
+#include <tbb/parallel_invoke.h>
 
 #include "morgagni/ct/acvd.h"
 #include "morgagni/ct/internal/body_mask.h"
@@ -48,8 +49,11 @@ namespace {
 Result<internal::BareCt> bare_ct(const Volume& volume,
                                  const SkinOptions& options,
                                  const Progress& progress) {
-  if (progress) progress("covers", 0.0);
-  auto bare = internal::bare_ct(volume, options.take_off_mm);
+  const auto report = [&](double fraction) {
+    if (progress) progress("covers", fraction);
+  };
+  report(0.0);
+  auto bare = internal::bare_ct(volume, options.take_off_mm, report);
   for (const auto& mark : options.take_off_mm) {
     if (bare.asked.size() == volume.size && internal::is_near(bare.asked, mark, volume)) continue;
     return make_error(
@@ -60,7 +64,7 @@ Result<internal::BareCt> bare_ct(const Volume& volume,
                     mark.y(),
                     mark.z()));
   }
-  if (progress) progress("covers", 1.0);
+  report(1.0);
   return bare;
 }
 
@@ -89,21 +93,35 @@ Result<BodyPreview> preview_body(const Volume& volume,
   return preview_of(volume, bare, body);
 }
 
-Result<SkinSurfaces> extract_skin(const Volume& volume,
-                                  const SkinOptions& options,
-                                  const Progress& progress) {
+Result<SkinSurfaces> find_skin(const Volume& volume,
+                               const SkinOptions& options,
+                               const Progress& progress) {
   MOR_CHECK(options.check());
   MOR_TRY(const auto bare, bare_ct(volume, options, progress));
   MOR_TRY(const auto body, internal::body_mask(volume, bare, body_options(options), progress));
   SkinSurfaces surfaces;
   if (progress) progress("surface", 0.0);
   const Volume& seen = bare.volume ? *bare.volume : volume;
-  surfaces.full = internal::marching_cubes(seen, body.body, options.threshold_hu);
-  surfaces.body = internal::body_volume(seen, body.body);
+  tbb::parallel_invoke(
+      [&] { surfaces.full = internal::marching_cubes(seen, body.body, options.threshold_hu); },
+      [&] { surfaces.body = internal::body_volume(seen, body.body); },
+      [&] { surfaces.preview = preview_of(volume, bare, body); });
   if (progress) progress("surface", 1.0);
-  surfaces.preview = preview_of(volume, bare, body);
-  const AcvdOptions remeshing = {options.num_vertices, options.sub_sampling, options.gradation};
-  MOR_TRY(surfaces.remeshed, remesh_acvd(surfaces.full, remeshing, progress));
+  return surfaces;
+}
+
+Result<TriangleMesh> remesh_skin(const TriangleMesh& full,
+                                 const SkinOptions& options,
+                                 const Progress& progress) {
+  return remesh_acvd(
+      full, {options.num_vertices, options.sub_sampling, options.gradation}, progress);
+}
+
+Result<SkinSurfaces> extract_skin(const Volume& volume,
+                                  const SkinOptions& options,
+                                  const Progress& progress) {
+  MOR_TRY(auto surfaces, find_skin(volume, options, progress));
+  MOR_TRY(surfaces.remeshed, remesh_skin(surfaces.full, options, progress));
   return surfaces;
 }
 

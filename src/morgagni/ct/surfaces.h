@@ -59,6 +59,15 @@ struct SkinSurfaces {
                                                 const SkinOptions& options,
                                                 const Progress& progress);
 
+/// All of it but `remeshed`. @errors The same.
+[[nodiscard]] Result<SkinSurfaces> find_skin(const Volume& volume,
+                                             const SkinOptions& options,
+                                             const Progress& progress);
+/// SkinSurfaces::remeshed. @errors kInvalidArgument: `full` has fewer vertices than asked for.
+[[nodiscard]] Result<TriangleMesh> remesh_skin(const TriangleMesh& full,
+                                               const SkinOptions& options,
+                                               const Progress& progress);
+
 /// Only the first steps of it: to check the thresholds before a case is made. @errors The same.
 [[nodiscard]] Result<BodyPreview> preview_body(const Volume& volume,
                                                const SkinOptions& options,

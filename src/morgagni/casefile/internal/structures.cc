@@ -107,10 +107,9 @@ class GivenStructures {
 }  // namespace
 
 Result<std::vector<StructureSurface>> all_structures(const Volume& volume,
-                                                     const Volume& body,
+                                                     std::vector<StructureSurface> found,
                                                      const PrepareOptions& options,
                                                      const Progress& progress) {
-  MOR_TRY(auto found, extract_automatic_structures(body, options.automatic, progress));
   GivenStructures given(volume, std::move(found));
   for (const auto& path : options.label_maps)
     MOR_CHECK(given.add_label_map(path, options, progress));

@@ -10,12 +10,12 @@ namespace mor::internal {
 
 inline constexpr std::size_t kMaxStructures = 200;  ///< Of a case, with the bone.
 
-/// Beside the bone: those that come by themselves and those of files, each name once.
-/// @param body  SkinSurfaces::body.
+/// Beside the bone: those that were found and those of files, each name once.
 /// @errors kInvalidArgument: a file lies elsewhere in space than the CT; too many. As the readers.
-[[nodiscard]] Result<std::vector<StructureSurface>> all_structures(const Volume& volume,
-                                                                   const Volume& body,
-                                                                   const PrepareOptions& options,
-                                                                   const Progress& progress);
+[[nodiscard]] Result<std::vector<StructureSurface>> all_structures(
+    const Volume& volume,
+    std::vector<StructureSurface> found,
+    const PrepareOptions& options,
+    const Progress& progress);
 
 }  // namespace mor::internal

@@ -77,6 +77,15 @@ void for_each_voxel(const BitMask& mask, const Visit& visit) {
   for (int z = 0; z < mask.size()[2]; ++z) for_each_voxel_in_slice(mask, z, visit);
 }
 
+/// From `first` to before `end` along each axis.
+struct VoxelBox {
+  std::array<int, 3> first;
+  std::array<int, 3> end;
+};
+
+/// The least one with all voxels that are set; of an empty mask it ends before it begins.
+[[nodiscard]] VoxelBox box_of(const BitMask& mask);
+
 /// Voxels with low_hu <= HU <= high_hu.
 [[nodiscard]] BitMask threshold(const Volume& volume, double low_hu, double high_hu);
 

@@ -76,16 +76,14 @@ class Blocks {
   /// Calls visit(x, y, z) for each voxel of the blocks in `mask`.
   template <class Visit>
   void for_each_voxel(const BitMask& mask, const Visit& visit) const {
-    for (int z = 0; z < size_[2]; ++z) {
-      for (int y = 0; y < size_[1]; ++y) {
-        const int block_y = y / voxels_[1];
-        const int block_z = z / voxels_[2];
-        const auto row = mask.row(block_y, block_z);
-        if (std::all_of(row.begin(), row.end(), [](auto word) { return word == 0; })) continue;
-        for (int x = 0; x < size_[0]; ++x)
-          if (mask.test(x / voxels_[0], block_y, block_z)) visit(x, y, z);
-      }
-    }
+    internal::for_each_voxel(mask, [&](const std::array<int, 3>& block) {
+      std::array<int, 3> end{};
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        end[axis] = std::min(size_[axis], (block[axis] + 1) * voxels_[axis]);
+      for (int z = block[2] * voxels_[2]; z < end[2]; ++z)
+        for (int y = block[1] * voxels_[1]; y < end[1]; ++y)
+          for (int x = block[0] * voxels_[0]; x < end[0]; ++x) visit(x, y, z);
+    });
   }
 
  private:
@@ -99,10 +97,13 @@ class Blocks {
       for (int y = 0; y < size_[1]; ++y) {
         const std::int16_t* row = volume.hu.data() + volume.index(0, y, z);
         const std::size_t block_row = means_.index(0, y / voxels_[1], 0);
-        for (int x = 0; x < size_[0]; ++x) {
-          const auto block = block_row + static_cast<std::size_t>(x / voxels_[0]);
-          sums[block] += row[x];
-          ++counts[block];
+        for (int block_x = 0; block_x < means_.size[0]; ++block_x) {
+          const std::size_t block = block_row + static_cast<std::size_t>(block_x);
+          const int end_x = std::min(size_[0], (block_x + 1) * voxels_[0]);
+          for (int x = block_x * voxels_[0]; x < end_x; ++x) {
+            sums[block] += row[x];
+            ++counts[block];
+          }
         }
       }
     }
@@ -112,19 +113,22 @@ class Blocks {
 
   [[nodiscard]] Volume smoothed() const {
     Volume smooth = means_;
-    const auto [size_x, size_y, size_z] = means_.size;
+    const int size_x = means_.size[0];
+    const int size_y = means_.size[1];
+    const int size_z = means_.size[2];
     const auto at = [&](int x, int y, int z) {
       return std::int32_t{means_.hu[means_.index(std::clamp(x, 0, size_x - 1),
                                                  std::clamp(y, 0, size_y - 1),
                                                  std::clamp(z, 0, size_z - 1))]};
     };
-    for (int z = 0; z < size_z; ++z)
+    tbb::parallel_for(0, size_z, [&](int z) {
       for (int y = 0; y < size_y; ++y)
         for (int x = 0; x < size_x; ++x)
           smooth.hu[smooth.index(x, y, z)] = static_cast<std::int16_t>(
               (at(x, y, z) + at(x - 1, y, z) + at(x + 1, y, z) + at(x, y - 1, z) + at(x, y + 1, z) +
                at(x, y, z - 1) + at(x, y, z + 1)) /
               7);
+    });
     return smooth;
   }
 
@@ -153,10 +157,9 @@ struct Stuff {
 /// for most of it, which the steps between slices far apart, half skin, half air, have not.
 Stuff stuff_of(const BitMask& piece, const Volume& means) {
   std::vector<double> all;
-  for (int z = 0; z < means.size[2]; ++z)
-    for (int y = 0; y < means.size[1]; ++y)
-      for (int x = 0; x < means.size[0]; ++x)
-        if (piece.test(x, y, z)) all.push_back(means.hu[means.index(x, y, z)]);
+  for_each_voxel(piece, [&](const std::array<int, 3>& at) {
+    all.push_back(means.hu[means.index(at[0], at[1], at[2])]);
+  });
   if (all.empty()) return {};
   const auto num = static_cast<double>(all.size());
   const double mean_hu = std::accumulate(all.begin(), all.end(), 0.0) / num;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include <tbb/parallel_for.h>
@@ -31,6 +32,39 @@ BitMask solid_of(const Volume& volume) {
   return solid;
 }
 
+/// The profiles near to a slice's voxels, row by row; none where no layer is near.
+class NearInSlice {
+ public:
+  NearInSlice(const SkinProfiles& profiles, const std::vector<float>& thick_mm)
+      : profiles_(profiles), thick_mm_(thick_mm) {}
+
+  const std::vector<std::size_t>& at(const Eigen::Vector3f& place_mm) {
+    const auto cell = SkinProfiles::cell_of(place_mm);
+    if (cell[1] != cell_y_) row_.clear();
+    cell_y_ = cell[1];
+    const auto [found, is_new] = row_.try_emplace(cell[0]);
+    if (is_new) {
+      found->second = profiles_.near(cell);
+      const auto is_covered = [&](std::size_t i) { return thick_mm_[i] > 0.0F; };
+      if (std::none_of(found->second.begin(), found->second.end(), is_covered))
+        found->second.clear();
+    }
+    return found->second;
+  }
+
+ private:
+  const SkinProfiles& profiles_;
+  const std::vector<float>& thick_mm_;
+  int cell_y_ = -1;
+  std::unordered_map<int, std::vector<std::size_t>> row_;  ///< By the cell's x.
+};
+
+/// A voxel that becomes less dense.
+struct Change {
+  std::array<int, 3> voxel;
+  double most_hu;
+};
+
 /// Makes the surface lie deeper: air down to there, then as steep as skin is.
 class Carving {
  public:
@@ -40,18 +74,22 @@ class Carving {
       if (layers.is_sheet[i] == 0) sheet_mm_[i] = 0.0F;
   }
 
-  void run(Volume& result, BitMask& taken) const {
-    const BitMask near = surroundings();
+  /// What becomes less dense, slice by slice.
+  [[nodiscard]] std::vector<std::vector<Change>> run() const {
+    const BitMask around = surroundings();
+    std::vector<std::vector<Change>> changes(static_cast<std::size_t>(volume_.size[2]));
     tbb::parallel_for(0, volume_.size[2], [&](int slice) {
-      for_each_voxel_in_slice(near, slice, [&](const std::array<int, 3>& voxel) {
-        const auto& [x, y, z] = voxel;
-        auto& hu = result.hu[volume_.index(x, y, z)];
-        const double most_hu = most_hu_at({x, y, z});
-        if (hu <= most_hu) return;
-        if (hu >= kEdgeHu && most_hu < kEdgeHu) taken.set_run(y, z, x, x + 1);
-        hu = static_cast<std::int16_t>(std::lround(std::max(kAirHu, most_hu)));
+      NearInSlice near(profiles_, layers_.thick_mm);
+      for_each_voxel_in_slice(around, slice, [&](const std::array<int, 3>& voxel) {
+        const double hu = volume_.hu[volume_.index(voxel[0], voxel[1], voxel[2])];
+        if (hu < 0.9 * kAirHu) return;
+        const Eigen::Vector3d place =
+            Eigen::Vector3d(voxel[0], voxel[1], voxel[2]).cwiseProduct(volume_.spacing_mm);
+        const double most_hu = most_hu_at(place, near.at(place.cast<float>()));
+        if (hu > most_hu) changes[static_cast<std::size_t>(slice)].push_back({voxel, most_hu});
       });
     });
+    return changes;
   }
 
  private:
@@ -67,14 +105,12 @@ class Carving {
   }
 
   /// What a voxel may have at most when the layer above it is air.
-  [[nodiscard]] double most_hu_at(const Eigen::Vector3i& voxel) const {
-    const Eigen::Vector3d place = voxel.cast<double>().cwiseProduct(volume_.spacing_mm);
-    if (volume_.hu[volume_.index(voxel.x(), voxel.y(), voxel.z())] < 0.9 * kAirHu)
-      return kNoLimitHu;
+  [[nodiscard]] double most_hu_at(const Eigen::Vector3d& place,
+                                  const std::vector<std::size_t>& near) const {
     constexpr float kBesideMm = 2.2F;  // Half a cell's diagonal.
-    auto profile = profiles_.over(place.cast<float>(), kBesideMm, layers_.thick_mm);
-    if (!profile) profile = profiles_.nearest(place.cast<float>());
-    if (!profile || layers_.thick_mm[*profile] <= 0.0F) return most_hu_in_rim(place);
+    auto profile = profiles_.over(place.cast<float>(), near, kBesideMm, layers_.thick_mm);
+    if (!profile) profile = profiles_.nearest(place.cast<float>(), near);
+    if (!profile || layers_.thick_mm[*profile] <= 0.0F) return most_hu_in_rim(place, near);
     const double thick_mm = layers_.thick_mm[*profile];
     const Eigen::Vector3d inwards = profiles_.all()[*profile].inwards.cast<double>();
     const auto depth = depth_mm(place, inwards, thick_mm);
@@ -86,9 +122,10 @@ class Carving {
   }
 
   /// Where a sheet ends or has an edge its surface faces elsewhere, but it goes on as deep.
-  [[nodiscard]] double most_hu_in_rim(const Eigen::Vector3d& place) const {
+  [[nodiscard]] double most_hu_in_rim(const Eigen::Vector3d& place,
+                                      const std::vector<std::size_t>& near) const {
     constexpr float kRimMm = 4.5F;
-    const auto profile = profiles_.over(place.cast<float>(), kRimMm, sheet_mm_);
+    const auto profile = profiles_.over(place.cast<float>(), near, kRimMm, sheet_mm_);
     if (!profile) return kNoLimitHu;
     const auto& over = profiles_.all()[*profile];
     const double depth_mm = (place - over.place_mm.cast<double>()).dot(over.inwards.cast<double>());
@@ -126,6 +163,17 @@ class Carving {
   const ThinLayers& layers_;
   std::vector<float> sheet_mm_;  ///< Of the layers that are sheets.
 };
+
+void apply(const std::vector<std::vector<Change>>& changes, Volume& volume, BitMask& taken) {
+  for (const auto& slice : changes) {
+    for (const auto& [voxel, most_hu] : slice) {
+      const auto& [x, y, z] = voxel;
+      auto& hu = volume.hu[volume.index(x, y, z)];
+      if (hu >= kEdgeHu && most_hu < kEdgeHu) taken.set_run(y, z, x, x + 1);
+      hu = static_cast<std::int16_t>(std::lround(std::max(kAirHu, most_hu)));
+    }
+  }
+}
 
 /// Nothing is taken off where `settled` is.
 void leave(const BitMask& settled,
@@ -172,7 +220,10 @@ bool take_tubes_out(const SkinProfiles& profiles,
 
 }  // namespace
 
-Peeled peel(Volume& volume, const BitMask& cover, const std::vector<Eigen::Vector3d>& take_off_mm) {
+Peeled peel(Volume& volume,
+            const BitMask& cover,
+            const std::vector<Eigen::Vector3d>& take_off_mm,
+            const std::function<void(double)>& report) {
   constexpr int kMostLayers = 2;
   constexpr double kNearMm = 3.0;
   const BitMask settled = dilated(cover, kNearMm, volume.spacing_mm);
@@ -183,7 +234,9 @@ Peeled peel(Volume& volume, const BitMask& cover, const std::vector<Eigen::Vecto
   for (const auto& place_mm : take_off_mm)
     asked_mm.emplace_back((grid_from_ct * place_mm).cast<float>());
   for (int layer = 0; layer < kMostLayers; ++layer) {
+    const auto done = [&](double share) { report((layer + share) / kMostLayers); };
     const SkinProfiles profiles(volume, solid_of(volume));
+    done(0.3);
     ThinLayers layers = thin_layers(profiles, asked_mm);
     peeled.asked |= profiles.voxels_of(layers.asked, volume);
     if (!layers.asked.empty()) asked_mm.clear();
@@ -193,13 +246,14 @@ Peeled peel(Volume& volume, const BitMask& cover, const std::vector<Eigen::Vecto
       peeled.taken |= peeled.tube;
       leave(peeled.tube, profiles, volume, layers);
     }
+    done(0.5);
     note_unknown(profiles, layers.unknown_mm, volume, peeled);
     if (std::all_of(
             layers.thick_mm.begin(), layers.thick_mm.end(), [](float mm) { return mm == 0.0F; }))
       break;
     peeled.found_any = true;
-    const Volume before = volume;
-    Carving(before, profiles, layers).run(volume, peeled.taken);
+    apply(Carving(volume, profiles, layers).run(), volume, peeled.taken);
+    done(1.0);
   }
   return peeled;
 }

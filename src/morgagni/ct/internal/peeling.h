@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -27,8 +28,10 @@ struct Peeled {
 ///
 /// @param cover  What was taken off before: beneath it the skin is where uncovered() has put it.
 /// @param take_off_mm  SkinOptions::take_off_mm.
+/// @param report  Told the share that is done.
 [[nodiscard]] Peeled peel(Volume& volume,
                           const BitMask& cover,
-                          const std::vector<Eigen::Vector3d>& take_off_mm);
+                          const std::vector<Eigen::Vector3d>& take_off_mm,
+                          const std::function<void(double)>& report);
 
 }  // namespace mor::internal

@@ -26,32 +26,58 @@ double hu_at(const Volume& volume, Eigen::Vector3d mm) {
   return sampled_hu(volume, mm).value_or(kAirHu);
 }
 
-/// From the middle of the air around a place to that of the solid.
-std::optional<Eigen::Vector3d> inwards_at(const Volume& volume,
-                                          const BitMask& solid,
-                                          const Eigen::Vector3d& place_mm) {
-  const Eigen::Vector3i middle = volume.nearest_voxel(place_mm);
-  const Eigen::Vector3i reach = (kFacingMm / volume.spacing_mm.array()).cast<int>();
-  const Eigen::Vector3i stride = (kFacingStepMm / volume.spacing_mm.array()).cast<int>().max(1);
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (int dz = -reach.z(); dz <= reach.z(); dz += stride.z()) {
-    // The scan's end is no surface.
-    const int z = std::clamp(middle.z() + dz, 0, volume.size[2] - 1);
-    for (int dy = -reach.y(); dy <= reach.y(); dy += stride.y()) {
-      for (int dx = -reach.x(); dx <= reach.x(); dx += stride.x()) {
-        const Eigen::Vector3d offset = Eigen::Vector3d(dx, dy, dz).cwiseProduct(volume.spacing_mm);
-        if (offset.squaredNorm() > kFacingMm * kFacingMm) continue;
-        const int x = middle.x() + dx;
-        const int y = middle.y() + dy;
-        const bool is_solid =
-            x >= 0 && y >= 0 && x < volume.size[0] && y < volume.size[1] && solid.test(x, y, z);
-        sum += is_solid ? offset : Eigen::Vector3d(-offset);
+/// A ball of voxels around a place, as rows along x.
+class Facing {
+ public:
+  explicit Facing(const Volume& volume) : size_(volume.size), spacing_mm_(volume.spacing_mm) {
+    const Eigen::Array3i reach = (kFacingMm / spacing_mm_.array()).cast<int>();
+    const Eigen::Array3i stride = (kFacingStepMm / spacing_mm_.array()).cast<int>().max(1);
+    for (int dz = -reach.z(); dz <= reach.z(); dz += stride.z()) {
+      for (int dy = -reach.y(); dy <= reach.y(); dy += stride.y()) {
+        Row row = {{}, dy, dz};
+        for (int dx = -reach.x(); dx <= reach.x(); dx += stride.x()) {
+          const Eigen::Vector3d offset = Eigen::Vector3d(dx, dy, dz).cwiseProduct(spacing_mm_);
+          if (offset.squaredNorm() <= kFacingMm * kFacingMm) row.dx.push_back(dx);
+        }
+        rows_.push_back(std::move(row));
       }
     }
   }
-  if (sum.norm() < 1e-6) return std::nullopt;
-  return sum.normalized();
-}
+
+  /// From the middle of the air around a voxel to that of the solid.
+  [[nodiscard]] std::optional<Eigen::Vector3d> inwards(const BitMask& solid,
+                                                       const Eigen::Vector3i& middle) const {
+    Eigen::Vector3i sum = Eigen::Vector3i::Zero();
+    for (const Row& row : rows_) {
+      // The scan's end is no surface.
+      const int z = std::clamp(middle.z() + row.dz, 0, size_[2] - 1);
+      const int y = middle.y() + row.dy;
+      const bool is_in = y >= 0 && y < size_[1];
+      int surplus = 0;  // Of solid over air.
+      for (const int dx : row.dx) {
+        const int x = middle.x() + dx;
+        const int sign = is_in && x >= 0 && x < size_[0] && solid.test(x, y, z) ? 1 : -1;
+        surplus += sign;
+        sum.x() += sign * dx;
+      }
+      sum.y() += surplus * row.dy;
+      sum.z() += surplus * row.dz;
+    }
+    if (sum.isZero()) return std::nullopt;
+    return sum.cast<double>().cwiseProduct(spacing_mm_).normalized();
+  }
+
+ private:
+  struct Row {
+    std::vector<int> dx;
+    int dy = 0;
+    int dz = 0;
+  };
+
+  std::array<int, 3> size_;
+  Eigen::Vector3d spacing_mm_;
+  std::vector<Row> rows_;
+};
 
 /// How far inwards of a surface voxel the edge is crossed.
 std::optional<double> crossing_mm(const Volume& volume,
@@ -71,7 +97,8 @@ std::optional<double> crossing_mm(const Volume& volume,
 
 SkinProfile profile_of(const std::vector<std::array<int, 3>>& voxels,
                        const Volume& volume,
-                       const BitMask& solid) {
+                       const BitMask& solid,
+                       const Facing& facing) {
   const auto place_of = [&](const std::array<int, 3>& voxel) -> Eigen::Vector3d {
     return Eigen::Vector3d(voxel[0], voxel[1], voxel[2]).cwiseProduct(volume.spacing_mm);
   };
@@ -80,7 +107,7 @@ SkinProfile profile_of(const std::vector<std::array<int, 3>>& voxels,
   middle_mm /= static_cast<double>(voxels.size());
   SkinProfile profile;
   profile.place_mm = middle_mm.cast<float>();
-  const auto inwards = inwards_at(volume, solid, middle_mm);
+  const auto inwards = facing.inwards(solid, volume.nearest_voxel(middle_mm));
   if (!inwards) return profile;
   profile.inwards = inwards->cast<float>();
   const std::size_t stride = (voxels.size() + kMostPerCell - 1) / kMostPerCell;
@@ -110,8 +137,9 @@ SkinProfile profile_of(const std::vector<std::array<int, 3>>& voxels,
 SkinProfiles::SkinProfiles(const Volume& volume, const BitMask& solid) {
   const auto cells = sorted_surface(volume, solid);
   profiles_.resize(cells.size());
+  const Facing facing(volume);
   tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
-    profiles_[i] = profile_of(cells[i], volume, solid);
+    profiles_[i] = profile_of(cells[i], volume, solid, facing);
   });
   smooth();
 }
@@ -158,17 +186,12 @@ std::int32_t SkinProfiles::at(const Cell& cell) const {
 }
 
 std::vector<std::size_t> SkinProfiles::beside(std::size_t profile) const {
+  constexpr std::size_t kMost = 26;
   std::vector<std::size_t> found;
-  const auto& [x, y, z] = cells_[profile];
-  for (int dz = -1; dz <= 1; ++dz) {
-    for (int dy = -1; dy <= 1; ++dy) {
-      for (int dx = -1; dx <= 1; ++dx) {
-        const auto number = at({x + dx, y + dy, z + dz});
-        if (number >= 0 && static_cast<std::size_t>(number) != profile)
-          found.push_back(static_cast<std::size_t>(number));
-      }
-    }
-  }
+  found.reserve(kMost);
+  for_each_near(cells_[profile], 1, [&](std::size_t i) {
+    if (i != profile) found.push_back(i);
+  });
   return found;
 }
 
@@ -178,40 +201,52 @@ double SkinProfiles::area_mm2(const std::vector<std::size_t>& profiles) const {
   return sum;
 }
 
-std::optional<std::size_t> SkinProfiles::nearest(const Eigen::Vector3f& place_mm) const {
+SkinProfiles::Cell SkinProfiles::cell_of(const Eigen::Vector3f& place_mm) {
+  const Eigen::Vector3i cell = (place_mm / static_cast<float>(kCellMm)).cast<int>();
+  return {cell.x(), cell.y(), cell.z()};
+}
+
+std::vector<std::size_t> SkinProfiles::near(const Cell& cell) const {
   constexpr int kReach = 2;
+  std::vector<std::size_t> found;
+  for_each_near(cell, kReach, [&](std::size_t i) { found.push_back(i); });
+  return found;
+}
+
+std::optional<std::size_t> SkinProfiles::nearest(const Eigen::Vector3f& place_mm,
+                                                 const std::vector<std::size_t>& near) const {
   std::optional<std::size_t> found;
   float least = 1e9F;
-  for_each_near(place_mm, kReach, [&](std::size_t i) {
+  for (const std::size_t i : near) {
     const Eigen::Vector3f off_mm = place_mm - profiles_[i].place_mm;
     // Depth counts half: a place lies beneath the surface that it is across from.
     const float through_mm = off_mm.dot(profiles_[i].inwards);
     const float off = off_mm.squaredNorm() - 0.5F * through_mm * through_mm;
-    if (off >= least) return;
+    if (off >= least) continue;
     least = off;
     found = i;
-  });
+  }
   return found;
 }
 
 std::optional<std::size_t> SkinProfiles::over(const Eigen::Vector3f& place_mm,
+                                              const std::vector<std::size_t>& near,
                                               float beside_mm,
                                               const std::vector<float>& thick_mm) const {
-  constexpr int kReach = 2;
   constexpr float kOutsideMm = 2.0F;
   constexpr float kBeneathMm = 0.7F;
   std::optional<std::size_t> found;
   float least = beside_mm * beside_mm;
-  for_each_near(place_mm, kReach, [&](std::size_t i) {
-    if (thick_mm[i] <= 0.0F) return;
+  for (const std::size_t i : near) {
+    if (thick_mm[i] <= 0.0F) continue;
     const Eigen::Vector3f off_mm = place_mm - profiles_[i].place_mm;
     const float through_mm = off_mm.dot(profiles_[i].inwards);
-    if (through_mm < -kOutsideMm || through_mm > thick_mm[i] + kBeneathMm) return;
+    if (through_mm < -kOutsideMm || through_mm > thick_mm[i] + kBeneathMm) continue;
     const float beside = off_mm.squaredNorm() - through_mm * through_mm;
-    if (beside >= least) return;
+    if (beside >= least) continue;
     least = beside;
     found = i;
-  });
+  }
   return found;
 }
 

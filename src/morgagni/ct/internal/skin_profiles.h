@@ -57,20 +57,27 @@ class SkinProfiles {
     return region;
   }
   [[nodiscard]] double area_mm2(const std::vector<std::size_t>& profiles) const;
-  /// The one whose surface is nearest to a place, none farther than about 6 mm.
-  [[nodiscard]] std::optional<std::size_t> nearest(const Eigen::Vector3f& place_mm) const;
   /// Calls visit(profile) for those whose surface lies within a distance of a place.
   template <class Visit>
   void for_each_within(const Eigen::Vector3f& place_mm,
                        float distance_mm,
                        const Visit& visit) const {
-    for_each_near(place_mm, static_cast<int>(distance_mm / kCellMm) + 1, [&](std::size_t i) {
+    for_each_near(cell_of(place_mm), static_cast<int>(distance_mm / kCellMm) + 1, [&](auto i) {
       if ((profiles_[i].place_mm - place_mm).norm() <= distance_mm) visit(i);
     });
   }
+  using Cell = std::array<int, 3>;
+  /// The cell that a place lies in; there may be none of the surface.
+  [[nodiscard]] static Cell cell_of(const Eigen::Vector3f& place_mm);
+  /// Those of a cell and of the cells up to two away.
+  [[nodiscard]] std::vector<std::size_t> near(const Cell& cell) const;
+  /// Of some, the one whose surface is nearest to a place.
+  [[nodiscard]] std::optional<std::size_t> nearest(const Eigen::Vector3f& place_mm,
+                                                   const std::vector<std::size_t>& near) const;
   /// Of those over a place, no farther beside it than this and no higher over it than their
   /// `thick_mm`, the one least beside it.
   [[nodiscard]] std::optional<std::size_t> over(const Eigen::Vector3f& place_mm,
+                                                const std::vector<std::size_t>& near,
                                                 float beside_mm,
                                                 const std::vector<float>& thick_mm) const;
   /// The voxels of the cells of some profiles.
@@ -79,17 +86,15 @@ class SkinProfiles {
 
  private:
   static constexpr double kCellMm = 3.0;
-  using Cell = std::array<int, 3>;
   using Voxels = std::vector<std::array<int, 3>>;
 
   std::vector<Voxels> sorted_surface(const Volume& volume, const BitMask& solid);
   template <class Visit>
-  void for_each_near(const Eigen::Vector3f& place_mm, int reach, const Visit& visit) const {
-    const Eigen::Vector3i middle = (place_mm / static_cast<float>(kCellMm)).cast<int>();
+  void for_each_near(const Cell& cell, int reach, const Visit& visit) const {
     for (int dz = -reach; dz <= reach; ++dz) {
       for (int dy = -reach; dy <= reach; ++dy) {
         for (int dx = -reach; dx <= reach; ++dx) {
-          const auto number = at({middle.x() + dx, middle.y() + dy, middle.z() + dz});
+          const auto number = at({cell[0] + dx, cell[1] + dy, cell[2] + dz});
           if (number >= 0) visit(static_cast<std::size_t>(number));
         }
       }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <Eigen/Dense>
+#include <tbb/parallel_for.h>
 
 #include "morgagni/core/statistics.h"
 #include "morgagni/ct/internal/volume_sample.h"
@@ -194,16 +195,13 @@ class Search {
       : volume_(volume), profiles_(profiles), is_done_(profiles.all().size()) {}
 
   std::vector<Tube> run() {
+    std::vector<std::optional<Section>> starts(is_done_.size());
+    tbb::parallel_for(
+        std::size_t{0}, starts.size(), [&](std::size_t i) { starts[i] = start_at(i); });
     std::vector<Tube> tubes;
-    for (std::size_t i = 0; i < is_done_.size(); ++i) {
-      if (is_done_[i] != 0 || profiles_.all()[i].area_mm2 <= 0.0F) continue;
-      const auto guess = turning_about(profiles_, i);
-      if (!guess || guess->radius_mm < 0.5 * kLeastRadiusMm ||
-          guess->radius_mm > 1.3 * kMostRadiusMm)
-        continue;
-      const auto start = section_near(volume_, *guess, kAtFirst);
-      if (!start) continue;
-      const Path path = followed(*start);
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      if (is_done_[i] != 0 || !starts[i]) continue;
+      const Path path = followed(*starts[i]);
       note(path);
       if (is_tube(path)) tubes.push_back(tube_of(path));
     }
@@ -212,6 +210,15 @@ class Search {
 
  private:
   using Path = std::vector<Section>;
+
+  /// Where the surface turns as a tube's does.
+  [[nodiscard]] std::optional<Section> start_at(std::size_t profile) const {
+    if (profiles_.all()[profile].area_mm2 <= 0.0F) return std::nullopt;
+    const auto guess = turning_about(profiles_, profile);
+    if (!guess || guess->radius_mm < 0.5 * kLeastRadiusMm || guess->radius_mm > 1.3 * kMostRadiusMm)
+      return std::nullopt;
+    return section_near(volume_, *guess, kAtFirst);
+  }
 
   [[nodiscard]] Path followed(const Section& start) const {
     Section backwards = start;

@@ -138,6 +138,10 @@ class Uncovering {
     edge_ = beside;
     edge_.subtract(eroded(cover_, kBesideVoxels, ones));
     smooth_around(edge_);
+    uncovered_ = known_;
+    uncovered_.subtract(cover_);
+    beyond_edge_ = uncovered_;
+    beyond_edge_.subtract(edge_);
     Volume result = volume_;
     visit_all(cover_, [&](int x, int y, int z) {
       result.hu[result.index(x, y, z)] = static_cast<std::int16_t>(kAirHu);
@@ -181,15 +185,13 @@ class Uncovering {
     known_ = std::move(box);
   }
 
-  /// The densest around here that is not in `cover`.
-  [[nodiscard]] double skin_hu(int x, int y, int z, const BitMask& cover) const {
+  /// The densest around here within `skin`.
+  [[nodiscard]] double skin_hu(int x, int y, int z, const BitMask& skin) const {
     double most_hu = kAirHu;
     for (int dz = -reach_[2]; dz <= reach_[2]; ++dz) {
       for (int dy = -reach_[1]; dy <= reach_[1]; ++dy) {
         for (int dx = -reach_[0]; dx <= reach_[0]; ++dx) {
-          if (!is_in(x + dx, y + dy, z + dz) || cover.test(x + dx, y + dy, z + dz) ||
-              cover_.test(x + dx, y + dy, z + dz) || !known_.test(x + dx, y + dy, z + dz))
-            continue;
+          if (!is_in(x + dx, y + dy, z + dz) || !skin.test(x + dx, y + dy, z + dz)) continue;
           most_hu = std::max<double>(most_hu, smooth_[volume_.index(x + dx, y + dy, z + dz)]);
         }
       }
@@ -213,7 +215,7 @@ class Uncovering {
     const bool is_cover = cover_.test(x, y, z);
     const double hu = volume_.hu[volume_.index(x, y, z)];
     if (!is_cover && (hu < kMostAirHu || touches_air(x, y, z))) return std::nullopt;
-    double skin = skin_hu(x, y, z, *cover_hu > kMostSkinHu ? edge_ : cover_);
+    double skin = skin_hu(x, y, z, *cover_hu > kMostSkinHu ? beyond_edge_ : uncovered_);
     if (skin < kLeastSkinHu) return std::nullopt;
     if (*cover_hu > kMostSkinHu) skin = std::clamp(skin, kLeastUnderDenseHu, kMostUnderDenseHu);
     if (std::abs(skin - *cover_hu) < kLeastStepHu) return std::nullopt;
@@ -229,7 +231,9 @@ class Uncovering {
   CoverHu cover_hu_;
   std::unique_ptr<std::int16_t[]> smooth_;  ///< Where `known_` is.
   BitMask known_;
-  BitMask edge_;  ///< Around the cover's surface, on both sides.
+  BitMask edge_;         ///< Around the cover's surface, on both sides.
+  BitMask uncovered_;    ///< Of `known_`.
+  BitMask beyond_edge_;  ///< ... and not of `edge_`.
   std::array<int, 3> reach_{};
 };
 
@@ -239,12 +243,23 @@ Volume uncovered(const Volume& volume, const BitMask& cover) {
   return Uncovering(volume, cover).run();
 }
 
-BareCt bare_ct(const Volume& volume, const std::vector<Eigen::Vector3d>& take_off_mm) {
+BareCt bare_ct(const Volume& volume,
+               const std::vector<Eigen::Vector3d>& take_off_mm,
+               const std::function<void(double)>& report) {
+  constexpr double kForeignShare = 0.15;
+  constexpr double kUncoveredShare = 0.25;
+  const auto done = [&](double fraction) {
+    if (report) report(fraction);
+  };
   const auto covers = foreign_matter(volume);
   if (!covers) return {};
+  done(kForeignShare);
   BareCt bare;
   Volume peeled = covers->count() > 0 ? uncovered(volume, *covers) : volume;
-  auto layers = peel(peeled, *covers, take_off_mm);
+  done(kUncoveredShare);
+  auto layers = peel(peeled, *covers, take_off_mm, [&](double fraction) {
+    done(kUncoveredShare + (1.0 - kUncoveredShare) * fraction);
+  });
   constexpr double kAskedMm = 6.0;  // The surface lies deeper now.
   bare.asked = dilated(layers.asked, kAskedMm, volume.spacing_mm);
   bare.unknown = dilated(layers.unknown, kSkinMm, volume.spacing_mm);

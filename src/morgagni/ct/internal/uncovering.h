@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -34,7 +35,9 @@ struct BareCt {
 };
 
 /// @param take_off_mm  SkinOptions::take_off_mm.
+/// @param report  Told the share that is done.
 [[nodiscard]] BareCt bare_ct(const Volume& volume,
-                             const std::vector<Eigen::Vector3d>& take_off_mm = {});
+                             const std::vector<Eigen::Vector3d>& take_off_mm = {},
+                             const std::function<void(double)>& report = {});
 
 }  // namespace mor::internal

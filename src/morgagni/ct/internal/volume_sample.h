@@ -24,7 +24,7 @@ namespace mor::internal {
     const int last = volume.size[i] - 1;
     if (!(at >= -kRounding && at <= last + kRounding)) return std::nullopt;
     // A place on a voxel is that voxel, whatever the rounding of its coordinates.
-    const double near = std::round(at);
+    const double near = std::rint(at);
     const double exact = std::clamp(std::abs(at - near) < kRounding ? near : at, 0.0, 1.0 * last);
     low[i] = std::min(static_cast<int>(exact), std::max(last - 1, 0));
     share[i] = exact - low[i];
