@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include <tbb/parallel_for.h>
@@ -38,17 +39,18 @@ class NearInSlice {
   NearInSlice(const SkinProfiles& profiles, const std::vector<float>& thick_mm)
       : profiles_(profiles), thick_mm_(thick_mm) {}
 
-  const std::vector<std::size_t>& at(const Eigen::Vector3f& place_mm) {
+  const NearProfiles& from(const Eigen::Vector3f& place_mm) {
     const auto cell = SkinProfiles::cell_of(place_mm);
     if (cell[1] != cell_y_) row_.clear();
     cell_y_ = cell[1];
-    const auto [found, is_new] = row_.try_emplace(cell[0]);
-    if (is_new) {
-      found->second = profiles_.near(cell);
-      const auto is_covered = [&](std::size_t i) { return thick_mm_[i] > 0.0F; };
-      if (std::none_of(found->second.begin(), found->second.end(), is_covered))
-        found->second.clear();
+    auto found = row_.find(cell[0]);
+    if (found == row_.end()) {
+      auto near = profiles_.near(cell);
+      if (std::none_of(near.begin(), near.end(), [&](auto i) { return thick_mm_[i] > 0.0F; }))
+        near.clear();
+      found = row_.try_emplace(cell[0], profiles_, std::move(near)).first;
     }
+    found->second.look_from(place_mm);
     return found->second;
   }
 
@@ -56,7 +58,7 @@ class NearInSlice {
   const SkinProfiles& profiles_;
   const std::vector<float>& thick_mm_;
   int cell_y_ = -1;
-  std::unordered_map<int, std::vector<std::size_t>> row_;  ///< By the cell's x.
+  std::unordered_map<int, NearProfiles> row_;  ///< By the cell's x.
 };
 
 /// A voxel that becomes less dense.
@@ -85,7 +87,7 @@ class Carving {
         if (hu < 0.9 * kAirHu) return;
         const Eigen::Vector3d place =
             Eigen::Vector3d(voxel[0], voxel[1], voxel[2]).cwiseProduct(volume_.spacing_mm);
-        const double most_hu = most_hu_at(place, near.at(place.cast<float>()));
+        const double most_hu = most_hu_at(place, near.from(place.cast<float>()));
         if (hu > most_hu) changes[static_cast<std::size_t>(slice)].push_back({voxel, most_hu});
       });
     });
@@ -105,11 +107,10 @@ class Carving {
   }
 
   /// What a voxel may have at most when the layer above it is air.
-  [[nodiscard]] double most_hu_at(const Eigen::Vector3d& place,
-                                  const std::vector<std::size_t>& near) const {
+  [[nodiscard]] double most_hu_at(const Eigen::Vector3d& place, const NearProfiles& near) const {
     constexpr float kBesideMm = 2.2F;  // Half a cell's diagonal.
-    auto profile = profiles_.over(place.cast<float>(), near, kBesideMm, layers_.thick_mm);
-    if (!profile) profile = profiles_.nearest(place.cast<float>(), near);
+    auto profile = near.over(kBesideMm, layers_.thick_mm);
+    if (!profile) profile = near.nearest();
     if (!profile || layers_.thick_mm[*profile] <= 0.0F) return most_hu_in_rim(place, near);
     const double thick_mm = layers_.thick_mm[*profile];
     const Eigen::Vector3d inwards = profiles_.all()[*profile].inwards.cast<double>();
@@ -123,9 +124,9 @@ class Carving {
 
   /// Where a sheet ends or has an edge its surface faces elsewhere, but it goes on as deep.
   [[nodiscard]] double most_hu_in_rim(const Eigen::Vector3d& place,
-                                      const std::vector<std::size_t>& near) const {
+                                      const NearProfiles& near) const {
     constexpr float kRimMm = 4.5F;
-    const auto profile = profiles_.over(place.cast<float>(), near, kRimMm, sheet_mm_);
+    const auto profile = near.over(kRimMm, sheet_mm_);
     if (!profile) return kNoLimitHu;
     const auto& over = profiles_.all()[*profile];
     const double depth_mm = (place - over.place_mm.cast<double>()).dot(over.inwards.cast<double>());

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <tbb/parallel_for.h>
 
@@ -52,13 +53,14 @@ class Facing {
       // The scan's end is no surface.
       const int z = std::clamp(middle.z() + row.dz, 0, size_[2] - 1);
       const int y = middle.y() + row.dy;
-      const bool is_in = y >= 0 && y < size_[1];
-      int surplus = 0;  // Of solid over air.
-      for (const int dx : row.dx) {
-        const int x = middle.x() + dx;
-        const int sign = is_in && x >= 0 && x < size_[0] && solid.test(x, y, z) ? 1 : -1;
-        surplus += sign;
-        sum.x() += sign * dx;
+      int surplus = -static_cast<int>(row.dx.size());  // Of solid over air.
+      if (y >= 0 && y < size_[1]) {
+        for (const int dx : row.dx) {
+          const int x = middle.x() + dx;
+          const int is_solid = x >= 0 && x < size_[0] && solid.test(x, y, z) ? 1 : 0;
+          surplus += 2 * is_solid;
+          sum.x() += 2 * is_solid * dx;  // Those of all cancel out.
+        }
       }
       sum.y() += surplus * row.dy;
       sum.z() += surplus * row.dz;
@@ -140,6 +142,7 @@ SkinProfiles::SkinProfiles(const Volume& volume, const BitMask& solid) {
   const Facing facing(volume);
   tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
     profiles_[i] = profile_of(cells[i], volume, solid, facing);
+    if (profiles_[i].area_mm2 <= 0.0F) at_[place_of(cells_[i])] = -1;
   });
   smooth();
 }
@@ -181,8 +184,7 @@ std::size_t SkinProfiles::place_of(const Cell& cell) const {
 std::int32_t SkinProfiles::at(const Cell& cell) const {
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (cell[axis] < 0 || cell[axis] >= size_[axis]) return -1;
-  const auto number = at_[place_of(cell)];
-  return number >= 0 && profiles_[static_cast<std::size_t>(number)].area_mm2 > 0.0F ? number : -1;
+  return at_[place_of(cell)];
 }
 
 std::vector<std::size_t> SkinProfiles::beside(std::size_t profile) const {
@@ -210,43 +212,6 @@ std::vector<std::size_t> SkinProfiles::near(const Cell& cell) const {
   constexpr int kReach = 2;
   std::vector<std::size_t> found;
   for_each_near(cell, kReach, [&](std::size_t i) { found.push_back(i); });
-  return found;
-}
-
-std::optional<std::size_t> SkinProfiles::nearest(const Eigen::Vector3f& place_mm,
-                                                 const std::vector<std::size_t>& near) const {
-  std::optional<std::size_t> found;
-  float least = 1e9F;
-  for (const std::size_t i : near) {
-    const Eigen::Vector3f off_mm = place_mm - profiles_[i].place_mm;
-    // Depth counts half: a place lies beneath the surface that it is across from.
-    const float through_mm = off_mm.dot(profiles_[i].inwards);
-    const float off = off_mm.squaredNorm() - 0.5F * through_mm * through_mm;
-    if (off >= least) continue;
-    least = off;
-    found = i;
-  }
-  return found;
-}
-
-std::optional<std::size_t> SkinProfiles::over(const Eigen::Vector3f& place_mm,
-                                              const std::vector<std::size_t>& near,
-                                              float beside_mm,
-                                              const std::vector<float>& thick_mm) const {
-  constexpr float kOutsideMm = 2.0F;
-  constexpr float kBeneathMm = 0.7F;
-  std::optional<std::size_t> found;
-  float least = beside_mm * beside_mm;
-  for (const std::size_t i : near) {
-    if (thick_mm[i] <= 0.0F) continue;
-    const Eigen::Vector3f off_mm = place_mm - profiles_[i].place_mm;
-    const float through_mm = off_mm.dot(profiles_[i].inwards);
-    if (through_mm < -kOutsideMm || through_mm > thick_mm[i] + kBeneathMm) continue;
-    const float beside = off_mm.squaredNorm() - through_mm * through_mm;
-    if (beside >= least) continue;
-    least = beside;
-    found = i;
-  }
   return found;
 }
 
@@ -285,6 +250,59 @@ void SkinProfiles::smooth() {
     for (float& hu : sum) hu /= weight;
     profiles_[i].hu = sum;
   });
+}
+
+NearProfiles::NearProfiles(const SkinProfiles& profiles, std::vector<std::size_t> near)
+    : near_(std::move(near)) {
+  const auto num = static_cast<Eigen::Index>(near_.size());
+  places_mm_.resize(num, 3);
+  inwards_.resize(num, 3);
+  for (Eigen::Index k = 0; k < num; ++k) {
+    const SkinProfile& profile = profiles.all()[near_[static_cast<std::size_t>(k)]];
+    places_mm_.row(k) = profile.place_mm.transpose();
+    inwards_.row(k) = profile.inwards.transpose();
+  }
+}
+
+void NearProfiles::look_from(const Eigen::Vector3f& place_mm) {
+  const auto off_x = place_mm.x() - places_mm_.col(0);
+  const auto off_y = place_mm.y() - places_mm_.col(1);
+  const auto off_z = place_mm.z() - places_mm_.col(2);
+  off_sq_mm2_ = off_x.square() + off_y.square() + off_z.square();
+  through_mm_ = off_x * inwards_.col(0) + off_y * inwards_.col(1) + off_z * inwards_.col(2);
+}
+
+std::optional<std::size_t> NearProfiles::nearest() const {
+  std::optional<std::size_t> found;
+  float least = 1e9F;
+  for (std::size_t k = 0; k < near_.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    // Depth counts half: a place lies beneath the surface that it is across from.
+    const float off = off_sq_mm2_[i] - 0.5F * through_mm_[i] * through_mm_[i];
+    if (off >= least) continue;
+    least = off;
+    found = near_[k];
+  }
+  return found;
+}
+
+std::optional<std::size_t> NearProfiles::over(float beside_mm,
+                                              const std::vector<float>& thick_mm) const {
+  constexpr float kOutsideMm = 2.0F;
+  constexpr float kBeneathMm = 0.7F;
+  std::optional<std::size_t> found;
+  float least = beside_mm * beside_mm;
+  for (std::size_t k = 0; k < near_.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    const float beside = off_sq_mm2_[i] - through_mm_[i] * through_mm_[i];
+    const float thick = thick_mm[near_[k]];
+    if (beside >= least || thick <= 0.0F || through_mm_[i] < -kOutsideMm ||
+        through_mm_[i] > thick + kBeneathMm)
+      continue;
+    least = beside;
+    found = near_[k];
+  }
+  return found;
 }
 
 }  // namespace mor::internal

@@ -71,15 +71,6 @@ class SkinProfiles {
   [[nodiscard]] static Cell cell_of(const Eigen::Vector3f& place_mm);
   /// Those of a cell and of the cells up to two away.
   [[nodiscard]] std::vector<std::size_t> near(const Cell& cell) const;
-  /// Of some, the one whose surface is nearest to a place.
-  [[nodiscard]] std::optional<std::size_t> nearest(const Eigen::Vector3f& place_mm,
-                                                   const std::vector<std::size_t>& near) const;
-  /// Of those over a place, no farther beside it than this and no higher over it than their
-  /// `thick_mm`, the one least beside it.
-  [[nodiscard]] std::optional<std::size_t> over(const Eigen::Vector3f& place_mm,
-                                                const std::vector<std::size_t>& near,
-                                                float beside_mm,
-                                                const std::vector<float>& thick_mm) const;
   /// The voxels of the cells of some profiles.
   [[nodiscard]] BitMask voxels_of(const std::vector<std::size_t>& profiles,
                                   const Volume& volume) const;
@@ -105,9 +96,30 @@ class SkinProfiles {
   void smooth();
 
   std::array<int, 3> size_{};
-  std::vector<std::int32_t> at_;  ///< The profile of each cell; -1: no surface there.
+  std::vector<std::int32_t> at_;  ///< The profile of each cell; -1: no surface is seen there.
   std::vector<Cell> cells_;       ///< Of each profile.
   std::vector<SkinProfile> profiles_;
+};
+
+/// Profiles near to many places, which are looked from one after the other.
+class NearProfiles {
+ public:
+  NearProfiles(const SkinProfiles& profiles, std::vector<std::size_t> near);
+
+  void look_from(const Eigen::Vector3f& place_mm);
+  /// The one whose surface is nearest.
+  [[nodiscard]] std::optional<std::size_t> nearest() const;
+  /// Of those over the place, no farther beside it than this and no higher over it than their
+  /// `thick_mm`, the one least beside it.
+  [[nodiscard]] std::optional<std::size_t> over(float beside_mm,
+                                                const std::vector<float>& thick_mm) const;
+
+ private:
+  std::vector<std::size_t> near_;
+  Eigen::ArrayX3f places_mm_;
+  Eigen::ArrayX3f inwards_;
+  Eigen::ArrayXf off_sq_mm2_;  ///< From each profile to the place.
+  Eigen::ArrayXf through_mm_;  ///< The same, inwards.
 };
 
 }  // namespace mor::internal

@@ -187,15 +187,17 @@ class Uncovering {
 
   /// The densest around here within `skin`.
   [[nodiscard]] double skin_hu(int x, int y, int z, const BitMask& skin) const {
+    const auto& size = volume_.size;
+    const int first_x = std::max(0, x - reach_[0]);
+    const int last_x = std::min(size[0] - 1, x + reach_[0]);
     double most_hu = kAirHu;
-    for (int dz = -reach_[2]; dz <= reach_[2]; ++dz) {
-      for (int dy = -reach_[1]; dy <= reach_[1]; ++dy) {
-        for (int dx = -reach_[0]; dx <= reach_[0]; ++dx) {
-          if (!is_in(x + dx, y + dy, z + dz) || !skin.test(x + dx, y + dy, z + dz)) continue;
-          most_hu = std::max<double>(most_hu, smooth_[volume_.index(x + dx, y + dy, z + dz)]);
-        }
-      }
-    }
+    for (int at_z = std::max(0, z - reach_[2]); at_z <= std::min(size[2] - 1, z + reach_[2]);
+         ++at_z)
+      for (int at_y = std::max(0, y - reach_[1]); at_y <= std::min(size[1] - 1, y + reach_[1]);
+           ++at_y)
+        for (int at_x = first_x; at_x <= last_x; ++at_x)
+          if (skin.test(at_x, at_y, at_z))
+            most_hu = std::max<double>(most_hu, smooth_[volume_.index(at_x, at_y, at_z)]);
     return std::min(most_hu, kMostSkinHu);
   }
 
