@@ -29,10 +29,25 @@ struct SliceEdges {
   }
 };
 
+/// The same of few, by their number: x and y edges in turn.
+struct EdgeVertex {
+  std::size_t edge;
+  std::uint32_t vertex;
+};
+
+std::vector<EdgeVertex> listed(const SliceEdges& edges) {
+  std::vector<EdgeVertex> list;
+  for (std::size_t i = 0; i < edges.x.size(); ++i) {
+    if (edges.x[i] != kNone) list.push_back({2 * i, edges.x[i]});
+    if (edges.y[i] != kNone) list.push_back({2 * i + 1, edges.y[i]});
+  }
+  return list;
+}
+
 struct Slab {
   std::vector<Eigen::Vector3f> vertices;
   std::vector<Triangle> triangles;
-  SliceEdges first, last;
+  std::vector<EdgeVertex> first, last;  ///< Of its outermost slices.
 };
 
 class SlabMarcher {
@@ -52,10 +67,10 @@ class SlabMarcher {
       upper_.clear(slice_voxels_);
       between_.assign(slice_voxels_, kNone);
       for (int y = 0; y + 1 < volume_.size[1]; ++y) march_row(y, z);
-      if (z == begin) slab_.first = lower_;
+      if (z == begin) slab_.first = listed(lower_);
       std::swap(lower_, upper_);
     }
-    slab_.last = std::move(lower_);
+    slab_.last = listed(lower_);
     return std::move(slab_);
   }
 
@@ -132,15 +147,13 @@ class SlabMarcher {
 };
 
 /// Puts `slab` on top of `mesh`, whose last slice's vertices it shares.
-void append(TriangleMesh& mesh, const Slab& slab, SliceEdges& top) {
+void append(TriangleMesh& mesh, const Slab& slab, std::vector<EdgeVertex>& top) {
   std::vector<std::uint32_t> renamed(slab.vertices.size(), kNone);
-  const auto join = [&](const std::vector<std::uint32_t>& low,
-                        const std::vector<std::uint32_t>& high) {
-    for (std::size_t i = 0; i < low.size(); ++i)
-      if (high[i] != kNone && low[i] != kNone) renamed[high[i]] = low[i];
-  };
-  join(top.x, slab.first.x);
-  join(top.y, slab.first.y);
+  auto shared = top.begin();
+  for (const auto& [edge, vertex] : slab.first) {
+    while (shared != top.end() && shared->edge < edge) ++shared;
+    if (shared != top.end() && shared->edge == edge) renamed[vertex] = shared->vertex;
+  }
   for (std::size_t i = 0; i < renamed.size(); ++i) {
     if (renamed[i] != kNone) continue;
     renamed[i] = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -149,9 +162,7 @@ void append(TriangleMesh& mesh, const Slab& slab, SliceEdges& top) {
   for (const auto& [a, b, c] : slab.triangles)
     mesh.triangles.push_back({renamed[a], renamed[b], renamed[c]});
   top = slab.last;
-  for (auto* edges : {&top.x, &top.y})
-    for (auto& vertex : *edges)
-      if (vertex != kNone) vertex = renamed[vertex];
+  for (auto& shared_next : top) shared_next.vertex = renamed[shared_next.vertex];
 }
 
 }  // namespace
@@ -168,7 +179,7 @@ TriangleMesh marching_cubes(const Volume& volume, const BitMask& inside, double 
             .run(begin, std::min(num_cubes, begin + kCubesPerSlab));
   });
   TriangleMesh mesh;
-  SliceEdges top;
+  std::vector<EdgeVertex> top;
   for (auto& slab : slabs) {
     append(mesh, slab, top);
     slab = {};
