@@ -4,11 +4,14 @@
 // found then lies from the skin without them.
 //
 //   covers CT [SEED [NUM_SEEDS [KIND...]]]
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <string>
 #include <vector>
+
+#include <spdlog/fmt/fmt.h>
 
 #include "morgagni/ct/surfaces.h"
 #include "morgagni/ct/testing/cover_scenes.h"
@@ -61,6 +64,14 @@ int main(int argc, char** argv) {
     std::fputs("usage: covers CT [SEED [NUM_SEEDS [KIND...]]]\n", stderr);
     return 2;
   }
+  const auto all_kinds = testing_covers::cover_kinds();
+  std::vector<std::string> kinds(argv + std::min(argc, 4), argv + argc);
+  for (const auto& kind : kinds) {
+    if (std::find(all_kinds.begin(), all_kinds.end(), kind) != all_kinds.end()) continue;
+    fmt::print(stderr, "KIND must be one of {}, got \"{}\"\n", fmt::join(all_kinds, ", "), kind);
+    return 2;
+  }
+  if (kinds.empty()) kinds = all_kinds;
   const auto ct = import_volume(argv[1], {}, {});
   if (!ct) {
     std::fprintf(stderr, "%s\n", ct.error().message.c_str());
@@ -68,8 +79,6 @@ int main(int argc, char** argv) {
   }
   const auto first = static_cast<unsigned>(argc > 2 ? std::atoi(argv[2]) : 1);
   const auto num = static_cast<unsigned>(argc > 3 ? std::atoi(argv[3]) : 1);
-  std::vector<std::string> kinds(argv + std::min(argc, 4), argv + argc);
-  if (kinds.empty()) kinds = testing_covers::cover_kinds();
   const auto bare = testing_covers::bare_body(*ct);
   std::puts(
       "| cover, seed | lost: median / 95 % / 99 % / max mm | > 1 mm, % | gained: the same | > 1 "

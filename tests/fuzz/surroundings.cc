@@ -27,7 +27,7 @@ constexpr std::size_t kMaxBytes = std::size_t{4} << 20U;  ///< More teaches a fu
 const bool kMessagesGoNowhere =
     ::dup2(::open("/dev/null", O_WRONLY | O_CLOEXEC), kImportMessagesFd) == kImportMessagesFd;
 
-std::vector<std::int16_t> voxels;
+HuArray voxels;
 std::vector<float> positions;
 std::vector<std::uint32_t> indices;
 ImportHeader header;

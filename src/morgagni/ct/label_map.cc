@@ -77,7 +77,7 @@ Volume cut_out(const Volume& voxels, int label, const LabelBox& box) {
 /// the surface by.
 void blur_along(Volume& part, int axis) {
   const std::size_t step = axis == 0 ? 1 : axis == 1 ? part.index(0, 1, 0) : part.index(0, 0, 1);
-  std::vector<std::int16_t> blurred = part.hu;
+  HuArray blurred = part.hu;
   for (std::size_t i = step; i + step < part.hu.size(); ++i)
     blurred[i] =
         static_cast<std::int16_t>((part.hu[i - step] + 2 * part.hu[i] + part.hu[i + step]) / 4);

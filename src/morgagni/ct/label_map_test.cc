@@ -177,7 +177,7 @@ TEST_F(ImportLabels, TakesNamesAndColoursFromSlicersHead) {
       "Segment0_Color:=0.5 0.25 0.125\nSegment1_Name:=bullet\nSegment1_LabelValue:=9\n\n";
   const auto labels = import_label_map(write("map.seg.nrrd", head + std::string(24, '\2')), {});
   ASSERT_TRUE(labels) << labels.error().message;
-  EXPECT_EQ(labels->voxels.hu, std::vector<std::int16_t>(24, 2));
+  EXPECT_EQ(labels->voxels.hu, HuArray(24, 2));
   EXPECT_TRUE(labels->voxels.ct_from_grid.translation().isApprox(Eigen::Vector3d(5, 6, 7)));
   ASSERT_EQ(labels->names.size(), 2U);
   EXPECT_EQ(labels->names[0].value, 2);

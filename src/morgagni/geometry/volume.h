@@ -9,10 +9,14 @@
 
 #include <Eigen/Geometry>
 
+#include "morgagni/core/huge_pages.h"
+
 namespace mor {
 
 /// Beside the body, where table and air were: below all that a CT measures.
 inline constexpr std::int16_t kOutsideHu = -2048;
+
+using HuArray = std::vector<std::int16_t, HugePages<std::int16_t>>;
 
 /// A CT: voxels in Hounsfield units on a right-angled grid.
 struct Volume {
@@ -20,7 +24,7 @@ struct Volume {
   Eigen::Vector3d spacing_mm = Eigen::Vector3d::Ones();  ///< Between voxel centres, > 0.
   Eigen::Isometry3d ct_from_grid =
       Eigen::Isometry3d::Identity();  ///< LPS mm from (i, j, k) * spacing_mm.
-  std::vector<std::int16_t> hu;       ///< size[0] * size[1] * size[2].
+  HuArray hu;                         ///< size[0] * size[1] * size[2].
   std::string
       description;  ///< What the file says of itself (modality, series, patient id), one line.
 

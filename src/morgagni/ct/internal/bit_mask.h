@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 
+#include "morgagni/core/huge_pages.h"
 #include "morgagni/geometry/volume.h"
 
 namespace mor::internal {
@@ -55,7 +56,7 @@ class BitMask {
 
   std::array<int, 3> size_{};
   int words_per_row_ = 0;
-  std::vector<Word> words_;
+  std::vector<Word, HugePages<Word>> words_;
 };
 
 /// Calls `visit` with each voxel of a slice that is set.
