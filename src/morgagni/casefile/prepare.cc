@@ -258,7 +258,7 @@ class SideBySide {
   void end() const { progress_(kStage, 1.0); }
 
  private:
-  static constexpr const char* kStage = "surfaces";
+  static constexpr const char* kStage = "remesh, structures";
   const Progress& progress_;
   std::mutex mutex_;
   double done_ = 0.0;
