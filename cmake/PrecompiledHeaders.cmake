@@ -1,4 +1,13 @@
-# The headers that most files include are parsed once for the program and once for its tests. A third of a build's time.
+# The headers that most files include are parsed once for the program and once for its tests. Only with
+# MORGAGNI_PRECOMPILE_HEADERS: the presets without it find the file that forgets an include.
+
+# TARGET takes them from `program_headers` or `test_headers`.
+function(mor_precompile_headers target from)
+  if(MORGAGNI_PRECOMPILE_HEADERS)
+    target_precompile_headers(${target} REUSE_FROM ${from})
+  endif()
+endfunction()
+
 if(NOT MORGAGNI_PRECOMPILE_HEADERS)
   return()
 endif()

@@ -1,5 +1,6 @@
 # Morgagni's three kinds of target: a module, a test, a benchmark.
 
+# -pthread: precompiled headers fit only files that have the same options.
 function(mor_compile_options target)
   target_compile_options(${target} PRIVATE -pthread -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor)
   if(MORGAGNI_WARNINGS_AS_ERRORS)
@@ -12,14 +13,6 @@ function(mor_compile_options target)
   if(MORGAGNI_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${MORGAGNI_SANITIZE} -fno-omit-frame-pointer)
     target_link_options(${target} PRIVATE -fsanitize=${MORGAGNI_SANITIZE})
-  endif()
-endfunction()
-
-# What most files read before all else is read once: TARGET takes it from `program_headers` or `test_headers` (above). Only
-# with MORGAGNI_PRECOMPILE_HEADERS: the presets without it find the file that forgets an include.
-function(mor_precompile_headers target from)
-  if(MORGAGNI_PRECOMPILE_HEADERS)
-    target_precompile_headers(${target} REUSE_FROM ${from})
   endif()
 endfunction()
 

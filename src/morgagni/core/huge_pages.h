@@ -11,8 +11,8 @@ namespace mor {
 void ask_for_huge_pages(void* memory, std::size_t num_bytes);
 
 /// Allocator of arrays of many megabytes. A CT of 512x512x275 lies on 36,000 ordinary pages, each
-/// of which the system makes when it is touched first; in a virtual machine that takes a third of a
-/// second. Huge ones are 70.
+/// of which the system makes when it is touched first; in a virtual machine that took 0.4 s. Huge
+/// ones are 70.
 template <class T>
 struct HugePages {
   using value_type = T;
