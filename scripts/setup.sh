@@ -2,10 +2,6 @@
 
 readonly BUILD=build/release
 
-# CTs are large: fresh memory in pages of 2 MiB. Where page faults are slow (virtual machines) that takes a third off
-# the preparation of a CT and half off the slowest tests; Debian's own kernel does it without being asked.
-export GLIBC_TUNABLES=${GLIBC_TUNABLES-glibc.malloc.hugetlb=1}
-
 say() { printf '\033[1m==> %s\033[0m\n' "$*"; }
 
 as_root() {
