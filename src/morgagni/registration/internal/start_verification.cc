@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
-#include <unordered_set>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
@@ -19,13 +17,10 @@
 namespace mor::internal {
 namespace {
 
-constexpr float kGlanceFacing = 0.3F;
 constexpr float kSpacing = 1.0F / 36.0F;  ///< Of the skin's points, of the body's extent.
 constexpr float kInPlaneMm = 3.0F;
 constexpr float kNoises = 2.0F;
 constexpr float kWellMeasured = 0.6F;  ///< Misfit in tolerances.
-/// Skin is floating only if the camera looks past it by so many tolerances.
-constexpr float kFloatingTolerances = 1.2F;
 /// Skin whose neighbouring pixels differ by more than this share of their distance is at an
 /// outline.
 constexpr float kOutlineReach = 0.012F;
@@ -152,49 +147,16 @@ SkinAgreement pooled(const std::vector<SkinAgreement>& looks) {
 }
 
 StartVerifier::StartVerifier(std::shared_ptr<const FixedSurface> fixed, float body_extent_mm)
-    : fixed_(std::move(fixed)) {
+    : fixed_(std::move(fixed)), glance_(fixed_->mesh, kSpacing * body_extent_mm) {
   for (const auto& triangle : fixed_->mesh.triangles) {
     skin_area_mm2_ += area_mm2(fixed_->mesh, triangle);
-  }
-  std::unordered_set<std::uint64_t> taken;
-  for (std::size_t i = 0; i < fixed_->mesh.vertices.size(); ++i) {
-    const Eigen::Vector3f cell = fixed_->mesh.vertices[i] / (kSpacing * body_extent_mm);
-    const auto key = [](float v) {
-      return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(v)) + 0x10000) &
-             0x1FFFFF;
-    };
-    if (taken.insert(key(cell.x()) << 42U | key(cell.y()) << 21U | key(cell.z())).second) {
-      points_.push_back({fixed_->mesh.vertices[i], fixed_->mesh.normals[i]});
-    }
   }
 }
 
 SkinAgreement StartVerifier::glance(const StartPicture& picture,
                                     const Eigen::Isometry3d& ct_from_depth,
                                     float tolerance_mm) const {
-  SkinAgreement agreement;
-  agreement.noise_share = picture.noise_share;
-  const Eigen::Isometry3f depth_from_ct = ct_from_depth.inverse().cast<float>();
-  const Eigen::Vector3f camera = ct_from_depth.translation().cast<float>();
-  const auto fx = static_cast<float>(picture.camera.focal_x_px);
-  const auto fy = static_cast<float>(picture.camera.focal_y_px);
-  const auto cx = static_cast<float>(picture.camera.center_x_px);
-  const auto cy = static_cast<float>(picture.camera.center_y_px);
-  for (const auto& [point, normal] : points_) {
-    const Eigen::Vector3f to_camera = camera - point;
-    if (normal.dot(to_camera) < kGlanceFacing * to_camera.norm()) continue;
-    const Eigen::Vector3f p = depth_from_ct * point;
-    if (p.z() < 1.0F) continue;
-    const float x = fx * p.x() / p.z() + cx + 0.5F;
-    const float y = fy * p.y() / p.z() + cy + 0.5F;
-    if (!(x >= 0.0F && y >= 0.0F && x < static_cast<float>(picture.z_mm.width()) &&
-          y < static_cast<float>(picture.z_mm.height()))) {
-      continue;
-    }
-    const float reading = picture.z_mm(static_cast<int>(x), static_cast<int>(y));
-    if (reading > 0.0F) judge(reading, p.z(), tolerance_mm, agreement);
-  }
-  return agreement;
+  return glance_.at(picture, ct_from_depth, tolerance_mm);
 }
 
 SkinAgreement StartVerifier::look(const StartPicture& picture,
