@@ -3,6 +3,7 @@
 #include "morgagni/registration/internal/start_search.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -10,6 +11,7 @@
 #include <tbb/parallel_for.h>
 
 #include "morgagni/core/image.h"
+#include "morgagni/registration/internal/lanes.h"
 
 namespace mor::internal {
 namespace {
@@ -30,9 +32,14 @@ struct Peak {
   int y = 0;
 };
 
-constexpr int kPolishYaws = 3;        ///< Finer turns to either side, up to half a yaw step.
-constexpr double kPolishSteps = 1.5;  ///< Shifts to either side, in nodes of the coarse volume.
+constexpr int kPolishYaws = 3;   ///< Finer turns to either side, up to half a yaw step.
+constexpr int kPolishReach = 3;  ///< Shifts to either side, in nodes of the fine volume.
 constexpr std::size_t kPolishPoints = 800;
+
+/// The worth at each shift of a polish: a row of lanes for each along y, a lane for each along x.
+constexpr int kPolishSide = 2 * kPolishReach + 1;
+static_assert(kPolishSide < kLanes);
+using PolishSums = std::array<IntLanes, kPolishSide>;
 
 Eigen::Isometry3d turned(double yaw_rad) {
   return Eigen::Isometry3d(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ()));
@@ -64,14 +71,15 @@ class Correlation {
     first_x_ = -max_x;
     first_y_ = -max_y;
     sums_ = Image<std::int16_t>(
-        volume.size[0] + max_x - min_x_, volume.size[1] + max_y - min_y_, std::int16_t{0});
+        volume.stride + max_x - min_x_, volume.size[1] + max_y - min_y_, std::int16_t{0});
+    width_ = volume.size[0] + max_x - min_x_;
     for (const auto& point : points_) add(point);
   }
 
   [[nodiscard]] std::vector<Peak> peaks(int yaw) const {
     std::vector<Peak> peaks;
     for (int y = 1; y + 1 < sums_.height(); ++y) {
-      for (int x = 1; x + 1 < sums_.width(); ++x) {
+      for (int x = 1; x + 1 < width_; ++x) {
         if (sums_(x, y) > 0 && is_peak(x, y)) {
           peaks.push_back({sums_(x, y), yaw, x + first_x_, y + first_y_});
         }
@@ -85,11 +93,13 @@ class Correlation {
 
  private:
   void add(const GridPoint& point) {
-    const auto [nx, ny, nz] = volume_.size;
-    for (int y = 0; y < ny; ++y) {
+    constexpr int kStep = StartVolume::kRowStep;
+    for (int y = 0; y < volume_.size[1]; ++y) {
       const std::int8_t* worth = volume_.row(y, point.z);
       std::int16_t* sums = sums_.view().row(y - point.y - first_y_) - point.x - first_x_;
-      for (int x = 0; x < nx; ++x) sums[x] = static_cast<std::int16_t>(sums[x] + worth[x]);
+      for (int first = 0; first < volume_.stride; first += kStep, sums += kStep, worth += kStep) {
+        for (int i = 0; i < kStep; ++i) sums[i] = static_cast<std::int16_t>(sums[i] + worth[i]);
+      }
     }
   }
 
@@ -113,6 +123,7 @@ class Correlation {
   int min_y_ = INT32_MAX;
   int first_x_ = 0;
   int first_y_ = 0;
+  int width_ = 0;  ///< Of the sums that mean something.
   Image<std::int16_t> sums_;
 };
 
@@ -163,30 +174,31 @@ Eigen::Vector2d shift_about_body(const StartVolume& volume,
   return middle + turn * (candidate.shift_mm - middle);
 }
 
-/// Adds each point's worth at all shifts of up to `reach` nodes.
-void add_windows(const std::vector<Eigen::Vector3f>& points,
-                 const StartVolume& volume,
-                 const StartCandidate& candidate,
-                 int reach,
-                 std::vector<int>& sums) {
+/// Each point's worth at all shifts.
+PolishSums sum_of_windows(const std::vector<Eigen::Vector3f>& points,
+                          const StartVolume& volume,
+                          const StartCandidate& candidate) {
   const Eigen::Isometry3f pose = candidate.lying_from_table().cast<float>();
-  const int side = 2 * reach + 1;
+  const auto [nx, ny, nz] = volume.size;
+  PolishSums sums{};
   for (const auto& point : points) {
     const Eigen::Vector3f grid = (pose * point - volume.origin_mm) / volume.spacing_mm;
-    const int x = static_cast<int>(std::lround(grid.x()));
-    const int y = static_cast<int>(std::lround(grid.y()));
-    const int z = static_cast<int>(std::lround(grid.z()));
-    if (z < 0 || z >= volume.size[2]) continue;
-    const int first_x = std::max(-reach, -x);
-    const int last_x = std::min(reach, volume.size[0] - 1 - x);
-    const int first_y = std::max(-reach, -y);
-    const int last_y = std::min(reach, volume.size[1] - 1 - y);
-    for (int v = first_y; v <= last_y; ++v) {
+    const int x = static_cast<int>(std::floor(grid.x() + 0.5F)) - kPolishReach;
+    const int y = static_cast<int>(std::floor(grid.y() + 0.5F)) - kPolishReach;
+    const int z = static_cast<int>(std::floor(grid.z() + 0.5F));
+    if (z < 0 || z >= nz) continue;
+    const bool is_inside = x >= 0 && x + kLanes <= nx;
+    for (int v = std::max(0, -y); v < std::min(kPolishSide, ny - y); ++v) {
       const std::int8_t* worth = volume.row(y + v, z) + x;
-      int* sum = sums.data() + (v + reach) * side + reach;
-      for (int u = first_x; u <= last_x; ++u) sum[u] += worth[u];
+      IntLanes& sum = sums[static_cast<std::size_t>(v)];
+      if (is_inside) {
+        for (int u = 0; u < kLanes; ++u) sum[u] += worth[u];
+      } else {
+        for (int u = std::max(0, -x); u < std::min(kPolishSide, nx - x); ++u) sum[u] += worth[u];
+      }
     }
   }
+  return sums;
 }
 
 }  // namespace
@@ -224,25 +236,24 @@ StartCandidate polish_on_plane(const StartScene& scene,
                                const StartCandidate& candidate,
                                double step_mm) {
   const std::vector<Eigen::Vector3f> points = points_near(scene, fine_volume, candidate, step_mm);
-  const int reach = static_cast<int>(std::lround(kPolishSteps * step_mm / fine_volume.spacing_mm));
-  const int side = 2 * reach + 1;
   StartCandidate best = candidate;
   int most = INT32_MIN;
-  std::vector<int> sums(static_cast<std::size_t>(side * side));
   for (int turn = -kPolishYaws; turn <= kPolishYaws; ++turn) {
     StartCandidate turned_candidate = candidate;
     turned_candidate.yaw_rad += turn * 0.75 * kYawStepRad / kPolishYaws;
     // About the middle of the body, not of the points' frame.
     turned_candidate.shift_mm = shift_about_body(fine_volume, candidate, turned_candidate.yaw_rad);
-    std::fill(sums.begin(), sums.end(), 0);
-    add_windows(points, fine_volume, turned_candidate, reach, sums);
-    const auto top = std::max_element(sums.begin(), sums.end());
-    if (*top <= most) continue;
-    most = *top;
-    const int at = static_cast<int>(top - sums.begin());
-    best = turned_candidate;
-    best.shift_mm += static_cast<double>(fine_volume.spacing_mm) *
-                     Eigen::Vector2d(at % side - reach, at / side - reach);
+    const PolishSums sums = sum_of_windows(points, fine_volume, turned_candidate);
+    for (int v = 0; v < kPolishSide; ++v) {
+      for (int u = 0; u < kPolishSide; ++u) {
+        const int sum = sums[static_cast<std::size_t>(v)][u];
+        if (sum <= most) continue;
+        most = sum;
+        best = turned_candidate;
+        best.shift_mm += static_cast<double>(fine_volume.spacing_mm) *
+                         Eigen::Vector2d(u - kPolishReach, v - kPolishReach);
+      }
+    }
   }
   best.score = most / static_cast<double>(StartVolume::kMostWorth);
   return best;

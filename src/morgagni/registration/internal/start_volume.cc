@@ -65,20 +65,22 @@ StartVolume make_start_volume(const FixedSurface& fixed,
         1;
   }
   const auto [nx, ny, nz] = volume.size;
-  volume.worth.resize(static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny) *
+  constexpr int kStep = StartVolume::kRowStep;
+  volume.stride = (nx + kStep - 1) / kStep * kStep;
+  volume.worth.resize(static_cast<std::size_t>(volume.stride) * static_cast<std::size_t>(ny) *
                       static_cast<std::size_t>(nz));
   const Eigen::Isometry3f ct_from_lying = volume.lying_from_ct.inverse().cast<float>();
-  std::size_t i = 0;
   FieldSample sample;
   for (int z = 0; z < nz; ++z) {
     for (int y = 0; y < ny; ++y) {
-      for (int x = 0; x < nx; ++x, ++i) {
+      std::int8_t* worth = volume.row(y, z);
+      for (int x = 0; x < nx; ++x) {
         const Eigen::Vector3f at =
             volume.origin_mm + volume.spacing_mm * Eigen::Vector3f(static_cast<float>(x),
                                                                    static_cast<float>(y),
                                                                    static_cast<float>(z));
         if (DistanceField::look_up(fixed.field.coarse(), ct_from_lying * at, sample)) {
-          volume.worth[i] = worth_at(sample.distance_mm, reach_mm);
+          worth[x] = worth_at(sample.distance_mm, reach_mm);
         }
       }
     }

@@ -20,15 +20,18 @@ namespace mor::internal {
 /// body at z = 0.
 struct StartVolume {
   static constexpr int kMostWorth = 50;
+  static constexpr int kRowStep = 16;  ///< So many nodes are added up at once.
 
   Eigen::Isometry3d lying_from_ct = Eigen::Isometry3d::Identity();
   Eigen::Vector3f origin_mm = Eigen::Vector3f::Zero();  ///< Of node (0, 0, 0), frame lying.
   float spacing_mm = 1.0F;
   std::array<int, 3> size{};  ///< Nodes along x, y, z.
+  int stride = 0;  ///< Nodes from row to row: whole steps, those beyond the size worth nothing.
   std::vector<std::int8_t> worth;
 
+  [[nodiscard]] std::int8_t* row(int y, int z) { return worth.data() + row_offset(y, z); }
   [[nodiscard]] const std::int8_t* row(int y, int z) const {
-    return worth.data() + (static_cast<std::ptrdiff_t>(z) * size[1] + y) * size[0];
+    return worth.data() + row_offset(y, z);
   }
   /// The worth of a point of frame lying, 0 outside the grid.
   [[nodiscard]] int at(const Eigen::Vector3f& p) const {
@@ -37,6 +40,11 @@ struct StartVolume {
     const Eigen::Vector3i node = grid.cast<int>();
     if (node.x() >= size[0] || node.y() >= size[1] || node.z() >= size[2]) return 0;
     return row(node.y(), node.z())[node.x()];
+  }
+
+ private:
+  [[nodiscard]] std::ptrdiff_t row_offset(int y, int z) const {
+    return (static_cast<std::ptrdiff_t>(z) * size[1] + y) * stride;
   }
 };
 
