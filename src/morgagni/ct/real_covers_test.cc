@@ -116,7 +116,9 @@ TEST(RealCovers, LeaveTheSkinOfAChest) {
 /// As scanned: a body that something was already taken off could not tell.
 TEST(RealCovers, NothingOfABodyIsATube) {
   const auto tilted_head = archived("ct_head_tilt_ge/ge_head_tilt18_dicom.tar.xz");
-  for (const auto& ct : {head(), chest(), tilted_head}) {
+  const auto bunny =
+      import_volume(fs::path(MORGAGNI_DATA_DIR) / "bunny/bunny_ct_half.nii.gz", {}, {});
+  for (const auto& ct : {head(), chest(), tilted_head, bunny}) {
     if (!ct) GTEST_SKIP() << ct.error().message;
     EXPECT_EQ(internal::bare_ct(*ct).tube.count(), 0U) << ct->description;
   }

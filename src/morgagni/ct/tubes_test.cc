@@ -26,6 +26,11 @@ double tube_mm(const Eigen::Vector3d& place, double radius_mm, double wall_mm) {
   return std::min(radius_mm - from_mm, from_mm - (radius_mm - wall_mm));
 }
 
+double from_mm(const Eigen::Vector3d& place, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const double share = std::clamp((place - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
+  return (place - a - share * (b - a)).norm();
+}
+
 /// About its middle, along an arc: an ear's rim, a finger.
 double bow_mm(const Eigen::Vector3d& place, double bend_mm, double half_turn_rad, double thick_mm) {
   const Eigen::Vector3d from = place - Eigen::Vector3d(-kTrunkMm - bend_mm, 0, 0);
@@ -36,7 +41,7 @@ double bow_mm(const Eigen::Vector3d& place, double bend_mm, double half_turn_rad
 
 std::vector<internal::Tube> tubes_of(const Volume& volume) {
   const auto solid = internal::threshold(volume, internal::SkinProfile::kEdgeHu, 32767.0);
-  return internal::find_tubes(volume, {volume, solid});
+  return internal::find_tubes(volume, {volume, solid}, internal::BitMask(volume.size));
 }
 
 TEST(Tubes, AreFoundWhereTheyLieAgainstTheSkin) {
@@ -74,6 +79,35 @@ TEST(Tubes, AreNoRimsOfEarsAndNoFingers) {
     return std::max({trunk_mm(place), rim, finger});
   }));
   EXPECT_TRUE(tubes.empty());
+}
+
+/// It leaves the trunk at a right angle.
+TEST(Tubes, GoOnBeyondASharpBend) {
+  constexpr double kRadiusMm = 4.0;
+  const Eigen::Vector3d bend(kTrunkMm + kRadiusMm, 0, 25);
+  const auto tubes = tubes_of(make_volume(120, 1.0, [&](const Eigen::Vector3d& place) {
+    const double tube =
+        std::min(from_mm(place, {bend.x(), 0, -70}, bend), from_mm(place, bend, {70, 0, 25}));
+    return std::max(trunk_mm(place), std::min(kRadiusMm - tube, tube - 2.5));
+  }));
+  double farthest_mm = 0.0;
+  for (const auto& tube : tubes)
+    for (const auto& mm : tube.axis_mm) farthest_mm = std::max(farthest_mm, mm.x());
+  EXPECT_GT(farthest_mm, 115.0) << "of 119";
+}
+
+/// As thick and as dense: an ear's rim that comes down beside a cable.
+TEST(Tubes, TakeNoRimAlongThatTheyPass) {
+  constexpr double kThickMm = 2.5;
+  const double beside_mm = 6.0;
+  const double out_mm = std::sqrt(std::pow(kTrunkMm + kThickMm, 2) - beside_mm * beside_mm);
+  const auto tubes = tubes_of(make_volume(120, 1.0, [&](const Eigen::Vector3d& place) {
+    const double cable = kThickMm - std::hypot(place.x() + out_mm, place.y() - beside_mm);
+    return std::max({trunk_mm(place), cable, bow_mm(place, 18.0, 2.8, kThickMm)});
+  }));
+  ASSERT_FALSE(tubes.empty());
+  for (const auto& tube : tubes)
+    for (const auto& mm : tube.axis_mm) EXPECT_GT(mm.x(), 26.0) << "the rim goes on to 1";
 }
 
 /// With a tube along one side and a cable that touches the other at places.

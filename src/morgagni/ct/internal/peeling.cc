@@ -200,19 +200,12 @@ void note_unknown(const SkinProfiles& profiles,
   peeled.unknown |= profiles.voxels_of(places, volume);
 }
 
-/// Whether there were any. What uncovering left of a cover can be round, too.
+/// Whether there were any.
 bool take_tubes_out(const SkinProfiles& profiles,
                     const BitMask& settled,
                     Volume& volume,
                     BitMask& taken) {
-  const auto is_settled = [&](const Eigen::Vector3d& mm) {
-    const Eigen::Vector3i at = volume.nearest_voxel(mm);
-    return settled.test(at.x(), at.y(), at.z());
-  };
-  auto tubes = find_tubes(volume, profiles);
-  std::erase_if(tubes, [&](const Tube& tube) {
-    return std::any_of(tube.axis_mm.begin(), tube.axis_mm.end(), is_settled);
-  });
+  const auto tubes = find_tubes(volume, profiles, settled);
   if (tubes.empty()) return false;
   const Volume before = volume;
   for (const Tube& tube : tubes) take_out(tube, before, volume, taken);

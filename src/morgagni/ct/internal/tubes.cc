@@ -191,20 +191,25 @@ std::optional<Section> turning_about(const SkinProfiles& profiles, std::size_t p
 
 class Search {
  public:
-  Search(const Volume& volume, const SkinProfiles& profiles)
-      : volume_(volume), profiles_(profiles), is_done_(profiles.all().size()) {}
+  Search(const Volume& volume, const SkinProfiles& profiles, const BitMask& settled)
+      : volume_(volume), profiles_(profiles), settled_(settled), is_done_(profiles.all().size()) {}
 
   std::vector<Tube> run() {
     std::vector<std::optional<Section>> starts(is_done_.size());
     tbb::parallel_for(
         std::size_t{0}, starts.size(), [&](std::size_t i) { starts[i] = start_at(i); });
     std::vector<Tube> tubes;
+    std::vector<Tube> pieces;
     for (std::size_t i = 0; i < starts.size(); ++i) {
       if (is_done_[i] != 0 || !starts[i]) continue;
       const Path path = followed(*starts[i]);
       note(path);
-      if (is_tube(path)) tubes.push_back(tube_of(path));
+      if (is_settled(path)) continue;
+      Tube tube = tube_of(path);
+      const bool is_certain = length_mm(tube) >= least_mm(tube);
+      (is_certain ? tubes : pieces).push_back(std::move(tube));
     }
+    join(std::move(pieces), tubes);
     return tubes;
   }
 
@@ -272,42 +277,83 @@ class Search {
                                 [&](std::size_t i) { is_done_[i] = 1; });
   }
 
+  [[nodiscard]] bool is_settled(const Path& path) const {
+    return std::any_of(path.begin(), path.end(), [&](const Section& section) {
+      const Eigen::Vector3i at = volume_.nearest_voxel(section.middle_mm);
+      return settled_.test(at.x(), at.y(), at.z());
+    });
+  }
+
+  [[nodiscard]] static double length_mm(const Tube& tube) {
+    return kStepMm * static_cast<double>(tube.axis_mm.size() - 1);
+  }
+
   /// Nothing that is round of three real bodies is as long (RealCovers.NothingOfABodyIsATube).
-  [[nodiscard]] bool is_tube(const Path& path) const {
+  [[nodiscard]] static double least_mm(const Tube& tube) {
     constexpr double kLumenHu = -250.0;
     constexpr double kLeastWithLumenMm = 60.0;
     constexpr double kDenseHu = 180.0;
     constexpr double kLeastDenseMm = 80.0;
     constexpr double kLeastMm = 110.0;
-    std::vector<double> hu;
-    for (const Section& section : path) hu.push_back(hu_at(volume_, section.middle_mm));
-    const double middle_hu = quantile(std::move(hu), 0.5);
-    const double length_mm = kStepMm * static_cast<double>(path.size() - 1);
-    return length_mm >= (middle_hu < kLumenHu   ? kLeastWithLumenMm
-                         : middle_hu > kDenseHu ? kLeastDenseMm
-                                                : kLeastMm);
+    return tube.middle_hu < kLumenHu   ? kLeastWithLumenMm
+           : tube.middle_hu > kDenseHu ? kLeastDenseMm
+                                       : kLeastMm;
   }
 
-  [[nodiscard]] static Tube tube_of(const Path& path) {
+  /// Where a tube bends sharply, or something hides it, it is followed in pieces: what looks like a
+  /// tube that is certain and begins where that ends belongs to it. Beside its middle it does not:
+  /// the hollows of an ear that a tube passes look like one.
+  static void join(std::vector<Tube> pieces, std::vector<Tube>& tubes) {
+    for (std::size_t next = 0; next < tubes.size(); ++next) {
+      const auto joined = std::partition(pieces.begin(), pieces.end(), [&](const Tube& piece) {
+        return !goes_on(tubes[next], piece);
+      });
+      tubes.insert(tubes.end(), joined, pieces.end());
+      pieces.erase(joined, pieces.end());
+    }
+  }
+
+  [[nodiscard]] static bool goes_on(const Tube& tube, const Tube& piece) {
+    constexpr double kLeastShare = 0.25;
+    constexpr double kMostGapMm = 12.0;
+    constexpr double kAlikeHu = 100.0;
+    if (length_mm(piece) < kLeastShare * least_mm(piece) ||
+        std::abs(piece.middle_hu - tube.middle_hu) > kAlikeHu ||
+        !is_as_large(piece.radius_mm, tube.radius_mm))
+      return false;
+    const auto ends_at = [](const Tube& one, const Vector3d& mm) {
+      return std::min((one.axis_mm.front() - mm).norm(), (one.axis_mm.back() - mm).norm()) <=
+             kMostGapMm;
+    };
+    return ends_at(tube, piece.axis_mm.front()) || ends_at(tube, piece.axis_mm.back());
+  }
+
+  [[nodiscard]] Tube tube_of(const Path& path) const {
     Tube tube;
     std::vector<double> radii_mm;
+    std::vector<double> hu;
     for (const Section& section : path) {
       tube.axis_mm.push_back(section.middle_mm);
       radii_mm.push_back(section.radius_mm);
+      hu.push_back(hu_at(volume_, section.middle_mm));
     }
     tube.radius_mm = quantile(std::move(radii_mm), 0.5);
+    tube.middle_hu = quantile(std::move(hu), 0.5);
     return tube;
   }
 
   const Volume& volume_;
   const SkinProfiles& profiles_;
+  const BitMask& settled_;
   std::vector<char> is_done_;  ///< Of each profile.
 };
 
 }  // namespace
 
-std::vector<Tube> find_tubes(const Volume& volume, const SkinProfiles& profiles) {
-  return Search(volume, profiles).run();
+std::vector<Tube> find_tubes(const Volume& volume,
+                             const SkinProfiles& profiles,
+                             const BitMask& settled) {
+  return Search(volume, profiles, settled).run();
 }
 
 void take_out(const Tube& tube, const Volume& before, Volume& volume, BitMask& taken) {
