@@ -126,6 +126,10 @@ TEST(Tubes, LeaveTheSkinWhereItIsBare) {
   std::sort(errors_mm.begin(), errors_mm.end());
   EXPECT_LT(errors_mm[errors_mm.size() / 2], 0.1);
   EXPECT_LT(errors_mm.back(), 1.0);
+  EXPECT_TRUE(std::none_of(skin->preview.doubts.begin(),
+                           skin->preview.doubts.end(),
+                           [](auto& doubt) { return doubt.why == SkinDoubt::Why::kLayerLeft; }))
+      << "a tube's wall is no layer that goes on";
 }
 
 }  // namespace

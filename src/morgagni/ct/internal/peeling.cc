@@ -229,17 +229,18 @@ Peeled peel(Volume& volume,
     asked_mm.emplace_back((grid_from_ct * place_mm).cast<float>());
   for (int layer = 0; layer < kMostLayers; ++layer) {
     const auto done = [&](double share) { report((layer + share) / kMostLayers); };
-    const SkinProfiles profiles(volume, solid_of(volume));
+    SkinProfiles profiles(volume, solid_of(volume));
+    // First: a tube's wall beside the skin looks like a layer that may go on.
+    if (layer == 0 && take_tubes_out(profiles, settled, volume, peeled.tube)) {
+      peeled.found_any = true;
+      peeled.taken |= peeled.tube;
+      profiles = SkinProfiles(volume, solid_of(volume));
+    }
     done(0.3);
     ThinLayers layers = thin_layers(profiles, asked_mm);
     peeled.asked |= profiles.voxels_of(layers.asked, volume);
     if (!layers.asked.empty()) asked_mm.clear();
     leave(settled, profiles, volume, layers);
-    if (layer == 0 && take_tubes_out(profiles, settled, volume, peeled.tube)) {
-      peeled.found_any = true;
-      peeled.taken |= peeled.tube;
-      leave(peeled.tube, profiles, volume, layers);
-    }
     done(0.5);
     note_unknown(profiles, layers.unknown_mm, volume, peeled);
     if (std::all_of(
