@@ -32,6 +32,8 @@ constexpr std::size_t kLeastViews = 20;
 /// well as from so many values.
 constexpr double kUsualSizeRatio = 0.7;
 constexpr double kUsualSizeValues = 6.0;
+/// A skin is taken to have changed by no less.
+constexpr double kLeastFoundMm = 0.1;
 /// Expectations are drawn anew so often.
 constexpr int kPasses = 3;
 
@@ -73,12 +75,12 @@ class Estimation {
     models_.weigh_by(scatter, both.views);
     fit(both, 1);
     const Eigen::MatrixXd at_first = models_.sensor_prior();
-    models_.learn_growth(information_of(both), both.state);
+    models_.learn_priors(information_of(both), both.state);
     fit(both, 1);
     if (stop_.stop_requested()) return result;
     describe(both.state, result);
-    add_uncertainty(information_of(both), both.state, at_first, result);
     add_skin(both, result);
+    add_uncertainty(information_of(both), both.state, at_first, result);
     if (views_.size() < kLeastViews) return result;
     ModelFit skin{BundleModel::kSkin, models_.start(), {}};
     fit(skin, kPasses);
@@ -150,7 +152,8 @@ class Estimation {
   [[nodiscard]] SkinChange skin_change(const BundleState& state) const {
     const auto size = static_cast<Eigen::Index>(skin_.size());
     const auto sensor = static_cast<Eigen::Index>(sensor_.size());
-    const Eigen::VectorXd weights = options_.skin_mm * options_.skin_mm *
+    const double sd_mm = models_.priors().skin_mm;
+    const Eigen::VectorXd weights = sd_mm * sd_mm *
                                     models_.prior_precision().block(sensor, sensor, size, size) *
                                     state.values.segment(sensor, size);
     return {skin_.places_mm(), {weights.begin(), weights.end()}, options_.skin_reach_mm};
@@ -205,7 +208,7 @@ class Estimation {
     const auto count = static_cast<double>(information.pose_from_values.size());
     result.skin_shift_mm = std::sqrt(shift_sq / count);
     result.skin_remaining_mm =
-        result.skin_rms_mm / options_.skin_mm * std::sqrt(remaining_sq / count);
+        result.skin_rms_mm / models_.priors().skin_mm * std::sqrt(remaining_sq / count);
   }
 
   /// Mean over places on the skin of J^T J: a small motion's mean square displacement.
@@ -226,6 +229,7 @@ class Estimation {
   }
 
   /// @param at_first  Covariance of the sensor's values before any view was seen.
+  /// @pre add_skin().
   void add_uncertainty(const internal::BundleInformation& information,
                        const BundleState& state,
                        const Eigen::MatrixXd& at_first,
@@ -247,6 +251,13 @@ class Estimation {
         sensor - (knows_pinhole_ ? static_cast<Eigen::Index>(SensorModel::kNumPinhole) : 0);
     sized_prior.topLeftCorner(sized, sized) /= size_sq;
     const Eigen::MatrixXd sized_posterior = internal::inverse_of(information.matrix + sized_prior);
+    // Whether the camera has moved enough is asked of a skin that has changed as it was found to:
+    // the prior's change is caution where it has changed more.
+    Eigen::MatrixXd found_prior = models_.prior_precision();
+    const double per_found = models_.priors().skin_mm / std::max(kLeastFoundMm, result.skin_rms_mm);
+    const auto skin = static_cast<Eigen::Index>(skin_.size());
+    found_prior.block(sensor, sensor, skin, skin) *= per_found * per_found;
+    const Eigen::MatrixXd open = internal::inverse_of(information.matrix + found_prior);
     // How far the sensor's part of the values moves the poses found without it.
     const auto form = displacement_form(information.pivot_mm);
     double shift_sq = 0.0;
@@ -263,7 +274,7 @@ class Estimation {
       };
       shift_sq += move.dot(form * move);
       before_sq += spread_sq(at_first);
-      open_sq += spread_sq(posterior);
+      open_sq += spread_sq(open);
       remaining_sq += spread_sq(sized_posterior);
     }
     const auto count =

@@ -38,8 +38,9 @@ struct SelfCalibrationOptions {
   int columns = 13;  ///< Of control points over the depth picture. 3..40.
   int rows = 10;     ///< 3..40.
   SensorPrior prior;
-  double skin_mm = 1.0;         ///< How far the skin may have changed since the CT, smoothly. > 0.
-  double skin_reach_mm = 30.0;  ///< How smoothly. > 0.
+  /// How far the skin may have changed since the CT, smoothly, if the views say that it has. > 0.
+  double skin_mm = 2.0;
+  double skin_reach_mm = 45.0;  ///< How smoothly. > 0.
   /// Of any pattern of residuals: what field, noise model and skin leave, root mean square. > 0.
   double systematic_mm = 0.03;
   int num_folds = 6;  ///< Of the views in time, each held out once. 3..20.

@@ -25,8 +25,8 @@ constexpr double kLeastGain = 0.01;
 /// Held-out views gain so much where the skin has changed. An error of the sensor that is too small
 /// to be proposed gains 2 to 3 % by a change of the skin as well.
 constexpr double kLeastSkinGain = 0.05;
-/// More of its prior's standard deviations is another body, or a cover.
-constexpr double kMostSkin = 1.5;
+/// More of its prior's standard deviation, root mean square, is another body, or a cover.
+constexpr double kMostSkin = 0.75;
 /// A changed skin that moves the poses by less is as in the CT.
 constexpr double kLeastSkinShiftMm = 0.3;
 

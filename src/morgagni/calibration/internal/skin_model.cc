@@ -70,7 +70,7 @@ void SkinModel::settle() {
   }
 }
 
-Eigen::MatrixXd SkinModel::prior_covariance(double sd_mm, double reach_mm) const {
+Eigen::MatrixXd SkinModel::prior_covariance(double reach_mm) const {
   const auto nodes = static_cast<Eigen::Index>(size());
   Eigen::MatrixXd covariance(nodes, nodes);
   for (Eigen::Index i = 0; i < nodes; ++i) {
@@ -78,10 +78,10 @@ Eigen::MatrixXd SkinModel::prior_covariance(double sd_mm, double reach_mm) const
       const double apart_sq =
           (places_mm_[static_cast<std::size_t>(i)] - places_mm_[static_cast<std::size_t>(k)])
               .squaredNorm();
-      covariance(i, k) = sd_mm * sd_mm * std::exp(-0.5 * apart_sq / (reach_mm * reach_mm));
+      covariance(i, k) = std::exp(-0.5 * apart_sq / (reach_mm * reach_mm));
     }
   }
-  covariance.diagonal().array() += 1e-3 * sd_mm * sd_mm;
+  covariance.diagonal().array() += 1e-3;
   return covariance;
 }
 

@@ -30,8 +30,9 @@ class SkinModel {
   [[nodiscard]] std::size_t size() const { return places_mm_.size(); }
   [[nodiscard]] const std::vector<Eigen::Vector3d>& places_mm() const { return places_mm_; }
 
-  /// A smooth Gaussian process: standard deviation and reach (of its squared exponential).
-  [[nodiscard]] Eigen::MatrixXd prior_covariance(double sd_mm, double reach_mm) const;
+  /// A smooth Gaussian process: of a standard deviation of 1 mm and the reach of its squared
+  /// exponential.
+  [[nodiscard]] Eigen::MatrixXd prior_covariance(double reach_mm) const;
 
   /// The control points around a place, in ascending order, and their shares.
   /// @return False where some of them do not take part.

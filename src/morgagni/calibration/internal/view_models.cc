@@ -15,15 +15,11 @@
 namespace mor::internal {
 namespace {
 
-constexpr double kSkinSpacingPerReach = 0.9;
+constexpr double kSkinSpacingPerReach = 0.6;
 /// Of any pattern of residuals on the table, as SelfCalibrationOptions::systematic_mm of the skin.
 constexpr double kTableSystematicMm = 0.05;
 /// What is farther from the table along the ray lies on it.
 constexpr float kOnTableMm = 30.0F;
-/// How sensors' errors go with the distance: not at all as time of flight's, in proportion, by its
-/// square as a wrong disparity's. h is so much of g, and this much besides.
-constexpr std::array<double, 3> kSlopes = {-1.0, 0.0, 1.0};
-constexpr double kBesideRatio = 0.2;
 
 /// Where an ideal camera would read, and how much the reading counts.
 void set_expected(const ExpectedReading& expected,
@@ -39,20 +35,6 @@ void set_expected(const ExpectedReading& expected,
   reading.normal = pose.linear() * normal;
   reading.weight =
       static_cast<float>(SensorModel::weight(static_cast<double>(expected.z_mm), cosine));
-}
-
-/// Logarithm, but for a constant, of how probable the views are where the sensor's values have this
-/// prior. The views are a Gaussian in these values (Laplace): `precision`, and `pull` = precision
-/// times what suits them best.
-double log_evidence(const Eigen::MatrixXd& precision,
-                    const Eigen::VectorXd& pull,
-                    const Eigen::MatrixXd& prior) {
-  const Eigen::MatrixXd root = prior.llt().matrixL();
-  Eigen::MatrixXd white = root.transpose() * precision * root;
-  white.diagonal().array() += 1.0;
-  const Eigen::LLT<Eigen::MatrixXd> solver(white);
-  const Eigen::VectorXd moved = solver.matrixL().solve(root.transpose() * pull);
-  return 0.5 * moved.squaredNorm() - solver.matrixLLT().diagonal().array().log().sum();
 }
 
 }  // namespace
@@ -79,7 +61,9 @@ ViewModels::ViewModels(const TriangleMesh& skin,
   sizes_ = {skin_.size(), table_ ? table_->size() : 0};
   start_.values =
       Eigen::VectorXd::Zero(static_cast<Eigen::Index>(sensor_.size() + sizes_.skin + sizes_.table));
-  growth_.square = options.prior.not_growing_ratio * options.prior.not_growing_ratio;
+  priors_.growth.square = options.prior.not_growing_ratio * options.prior.not_growing_ratio;
+  priors_.skin_mm = options.skin_mm;
+  skin_precision_ = inverse_of(skin_.prior_covariance(options.skin_reach_mm));
   set_prior();
 }
 
@@ -155,46 +139,22 @@ void ViewModels::add_table(const PinholeCamera& camera,
 void ViewModels::set_prior() {
   const auto sensor = static_cast<Eigen::Index>(sensor_.size());
   const auto skin = static_cast<Eigen::Index>(skin_.size());
-  sensor_prior_ = sensor_.prior_covariance(growth_);
+  sensor_prior_ = sensor_.prior_covariance(priors_.growth);
   const auto table = static_cast<Eigen::Index>(sizes_.table);
   prior_precision_ = Eigen::MatrixXd::Zero(sensor + skin + table, sensor + skin + table);
   prior_precision_.topLeftCorner(sensor, sensor) = inverse_of(sensor_prior_);
   prior_precision_.block(sensor, sensor, skin, skin) =
-      inverse_of(skin_.prior_covariance(options_.skin_mm, options_.skin_reach_mm));
+      skin_precision_ / (priors_.skin_mm * priors_.skin_mm);
   if (table_) {
     prior_precision_.bottomRightCorner(table, table) = inverse_of(table_->prior_covariance());
   }
 }
 
-void ViewModels::learn_growth(const BundleInformation& information, const BundleState& state) {
-  const auto sensor = static_cast<Eigen::Index>(sensor_.size());
-  const Eigen::MatrixXd all = information.matrix + prior_precision_;
-  const Eigen::VectorXd pull = all * state.values;
-  // Of the sensor alone, whatever skin and table are.
-  const Eigen::Index rest = all.rows() - sensor;
-  const Eigen::MatrixXd across = all.topRightCorner(sensor, rest);
-  const Eigen::LLT<Eigen::MatrixXd> of_rest(all.bottomRightCorner(rest, rest));
-  const Eigen::MatrixXd precision =
-      information.matrix.topLeftCorner(sensor, sensor) - across * of_rest.solve(across.transpose());
-  const Eigen::VectorXd pull_alone = pull.head(sensor) - across * of_rest.solve(pull.tail(rest));
-  std::vector<DepthGrowth> ways = {growth_};  // Each place of the picture in its own.
-  for (const double slope : kSlopes) {
-    ways.push_back({.with_g = slope, .square = slope * slope + kBesideRatio * kBesideRatio});
-  }
-  std::vector<double> logs;
-  for (const auto& way : ways) {
-    logs.push_back(log_evidence(precision, pull_alone, sensor_.prior_covariance(way)));
-  }
-  const double most = std::ranges::max(logs);
-  double sum = 0.0;
-  DepthGrowth mean;
-  for (std::size_t i = 0; i < ways.size(); ++i) {
-    const double share = std::exp(logs[i] - most);
-    sum += share;
-    mean.with_g += share * ways[i].with_g;
-    mean.square += share * ways[i].square;
-  }
-  growth_ = {.with_g = mean.with_g / sum, .square = mean.square / sum};
+void ViewModels::learn_priors(const BundleInformation& information, const BundleState& state) {
+  const auto table = static_cast<Eigen::Index>(sizes_.table);
+  const ViewsSay views{information.matrix, (information.matrix + prior_precision_) * state.values};
+  priors_ = internal::learn_priors(
+      sensor_, skin_precision_, prior_precision_.bottomRightCorner(table, table), views, priors_);
   set_prior();
 }
 

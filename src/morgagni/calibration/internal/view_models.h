@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "morgagni/calibration/internal/bundle.h"
+#include "morgagni/calibration/internal/prior_evidence.h"
 #include "morgagni/calibration/internal/sensor_model.h"
 #include "morgagni/calibration/internal/skin_model.h"
 #include "morgagni/calibration/internal/table_model.h"
@@ -36,6 +37,7 @@ class ViewModels {
   [[nodiscard]] bool has_table() const { return table_.has_value(); }
   /// Places of readings on the skin, frame ct.
   [[nodiscard]] const std::vector<Eigen::Vector3d>& seen_mm() const { return seen_mm_; }
+  [[nodiscard]] const ValuePriors& priors() const { return priors_; }
   [[nodiscard]] const Eigen::MatrixXd& sensor_prior() const { return sensor_prior_; }
   [[nodiscard]] const Eigen::MatrixXd& prior_precision() const { return prior_precision_; }
 
@@ -54,10 +56,10 @@ class ViewModels {
   /// the least systematic error: no number of readings averages that out.
   void weigh_by(const ReadingsScatter& scatter, const std::vector<Bundle::View>& expected);
 
-  /// From now on the sensor's error goes with the distance as the views tell beforehand: in the
-  /// known ways, each as far as it explains them.
+  /// From now on the sensor's error goes with the distance as the views tell beforehand, and the
+  /// body is as in its CT if they say so.
   /// @param information  At `state`, which was fitted to the views with sensor and skin free.
-  void learn_growth(const BundleInformation& information, const BundleState& state);
+  void learn_priors(const BundleInformation& information, const BundleState& state);
 
  private:
   void find_seen_skin();
@@ -78,9 +80,10 @@ class ViewModels {
   BundleSizes sizes_;
   std::vector<Eigen::Vector3d> seen_mm_;
   BundleState start_;
-  DepthGrowth growth_;
+  ValuePriors priors_;
   double weight_factor_ = 1.0;
   double table_weight_factor_ = 1.0;
+  Eigen::MatrixXd skin_precision_;  ///< Of a change of 1 mm.
   Eigen::MatrixXd sensor_prior_;
   Eigen::MatrixXd prior_precision_;
 };
