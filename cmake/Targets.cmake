@@ -8,7 +8,7 @@ function(mor_compile_options target)
   endif()
   if(MORGAGNI_NATIVE_ARCH)
     # GCC 12 calls what its own AVX-512 intrinsics leave open uninitialised (its bug 105593).
-    target_compile_options(${target} PRIVATE -march=native -Wno-maybe-uninitialized)
+    target_compile_options(${target} PRIVATE -march=native -Wno-maybe-uninitialized -Wno-uninitialized)
   endif()
   if(MORGAGNI_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${MORGAGNI_SANITIZE} -fno-omit-frame-pointer)
