@@ -3,6 +3,7 @@
 #include "morgagni/registration/internal/skin_glance.h"
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <unordered_set>
 

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstddef>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -21,7 +20,7 @@ class SkinGlance {
   /// @param spacing_mm  One vertex is taken of each cube of this side.
   SkinGlance(const TriangleMesh& skin, float spacing_mm);
 
-  /// What those that face the camera say of the pose. @cost About 2 us.
+  /// What those that face the camera say of the pose.
   [[nodiscard]] SkinAgreement at(const StartPicture& picture,
                                  const Eigen::Isometry3d& ct_from_depth,
                                  float tolerance_mm) const;

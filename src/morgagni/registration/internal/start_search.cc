@@ -32,8 +32,9 @@ struct Peak {
   int y = 0;
 };
 
-constexpr int kPolishYaws = 3;   ///< Finer turns to either side, up to half a yaw step.
-constexpr int kPolishReach = 3;  ///< Shifts to either side, in nodes of the fine volume.
+constexpr int kPolishYaws = 3;  ///< Finer turns to either side, up to half a yaw step.
+/// Shifts to either side, in nodes of the fine volume: one and a half of the coarse one.
+constexpr int kPolishReach = 3;
 constexpr std::size_t kPolishPoints = 800;
 
 /// The worth at each shift of a polish: a row of lanes for each along y, a lane for each along x.

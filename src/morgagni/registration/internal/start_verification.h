@@ -25,7 +25,7 @@ class StartVerifier {
  public:
   StartVerifier(std::shared_ptr<const FixedSurface> fixed, float body_extent_mm);
 
-  /// By some hundreds of points of the skin that face the camera. @cost About 2 us.
+  /// By some hundreds of points of the skin that face the camera.
   [[nodiscard]] SkinAgreement glance(const StartPicture& picture,
                                      const Eigen::Isometry3d& ct_from_depth,
                                      float tolerance_mm) const;
