@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace mor::internal {
 namespace {
@@ -110,6 +111,12 @@ SensorPoints take_points(const PointCloud& moving,
   }
   find_rows(moving, taken, points.rows);
   return points;
+}
+
+SensorPoints take_points(const PointCloud& moving) {
+  std::vector<std::uint32_t> kept(moving.size());
+  std::iota(kept.begin(), kept.end(), 0U);
+  return take_points(moving, kept, 1, 1);
 }
 
 }  // namespace mor::internal

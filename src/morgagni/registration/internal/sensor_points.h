@@ -55,5 +55,7 @@ struct SensorPoints {
                                        std::span<const std::uint32_t> kept,
                                        std::size_t run_length,
                                        std::size_t stride);
+/// Takes all of them.
+[[nodiscard]] SensorPoints take_points(const PointCloud& moving);
 
 }  // namespace mor::internal

@@ -90,6 +90,7 @@ void StartFinder::refine(const StartPicture& picture,
                          const StartScene& scene,
                          std::vector<StartFinding>& findings,
                          const std::stop_token& stop) const {
+  const SensorPoints full = take_points(scene.full);
   tbb::parallel_for(std::size_t{0}, findings.size(), [&](std::size_t i) {
     if (stop.stop_requested()) return;
     Eigen::Isometry3d& pose = findings[i].ct_from_depth;
@@ -101,12 +102,12 @@ void StartFinder::refine(const StartPicture& picture,
       if (near) pose = near->fixed_from_moving;
     }
     pose = refine_on_plane(fixed_->field,
-                           scene.full,
+                           full,
                            pose,
                            {up_ct, 0.5, 0.003},
                            {3.0F * noise_mm + 2.0F, 4.0F * noise_mm + 3.0F, true, 6});
     pose = refine_on_plane(fixed_->field,
-                           scene.full,
+                           full,
                            pose,
                            {up_ct, 3.0, 0.02},
                            {2.0F * noise_mm + 1.0F, 3.0F * noise_mm + 2.0F, true, 8});

@@ -95,13 +95,14 @@ class StartFinder {
                                                         const StartFinding& finding) const;
   void search_around(const StartPicture& picture,
                      const std::vector<StartPlane>& planes,
-                     const PointCloud& points,
+                     const SensorPoints& points,
                      std::size_t count,
                      std::vector<StartFinding>& findings) const;
   [[nodiscard]] std::vector<StartFinding> judge_around(const SeenViews& views,
                                                        std::vector<StartFinding> findings) const;
   void refine_together(const SeenViews& views,
                        const PointCloud& standing,
+                       const SensorPoints& readings,
                        StartFinding& finding) const;
   [[nodiscard]] SkinAgreement glance_at(const SeenViews& views,
                                         const Eigen::Isometry3d& ct_from_depth) const;

@@ -53,6 +53,7 @@ SkinAgreement StartFinder::look_at(const SeenViews& views,
 /// Brings a finding to where the bare skin in all pictures fits, if that speaks for it.
 void StartFinder::refine_together(const SeenViews& views,
                                   const PointCloud& standing,
+                                  const SensorPoints& readings,
                                   StartFinding& finding) const {
   finding.score = evidence(glance_at(views, finding.ct_from_depth));
   const auto keep_if_better = [&](const Eigen::Isometry3d& pose) {
@@ -64,7 +65,7 @@ void StartFinder::refine_together(const SeenViews& views,
   const float noise_mm = noise_at(finding.ct_from_depth);
   const Eigen::Isometry3d held =
       refine_on_plane(fixed_->field,
-                      standing,
+                      readings,
                       finding.ct_from_depth,
                       {finding.up_ct, 3.0, 0.02},
                       {2.0F * noise_mm + 1.0F, 3.0F * noise_mm + 2.0F, true, 8});
@@ -76,6 +77,7 @@ void StartFinder::refine_together(const SeenViews& views,
 std::vector<StartFinding> StartFinder::judge_together(const SeenViews& views,
                                                       std::vector<StartFinding> findings) const {
   const PointCloud standing = views.standing();
+  const SensorPoints readings = take_points(standing);
   // Those first that the pictures they were found in speak for: wrong ones often have more skin
   // that agrees so-so.
   for (auto& finding : findings) finding.score = trust(finding.agreement);
@@ -88,13 +90,13 @@ std::vector<StartFinding> StartFinder::judge_together(const SeenViews& views,
     }
     const Eigen::Isometry3d as_found = finding.ct_from_depth;
     const double trusted = finding.score;
-    refine_together(views, standing, finding);
+    refine_together(views, standing, readings, finding);
     finding.is_judged = true;
     finding.agreement = look_at(views, &SeenView::picture, finding.ct_from_depth);
     finding.score = believed_evidence(finding.agreement);
     const auto fit_closely = [&](const Eigen::Isometry3d& pose) {
       const Eigen::Isometry3d close = refine_on_plane(fixed_->field,
-                                                      standing,
+                                                      readings,
                                                       pose,
                                                       {finding.up_ct, 3.0, 0.02},
                                                       close_round(noise_at(pose)));
@@ -168,7 +170,7 @@ std::vector<StartFinding> StartFinder::places_around(const StartPicture& picture
 /// another, and where the noise is less the right one is deeper.
 void StartFinder::search_around(const StartPicture& picture,
                                 const std::vector<StartPlane>& planes,
-                                const PointCloud& points,
+                                const SensorPoints& points,
                                 std::size_t count,
                                 std::vector<StartFinding>& findings) const {
   std::vector<StartFinding> around;
@@ -200,7 +202,11 @@ void StartFinder::search_around(const StartPicture& picture,
 std::vector<StartFinding> StartFinder::judge_around(const SeenViews& views,
                                                     std::vector<StartFinding> findings) const {
   const auto& newest = views.newest();
-  search_around(newest.picture, newest.planes, newest.standing, kMostSearchedAround, findings);
+  search_around(newest.picture,
+                newest.planes,
+                take_points(newest.standing),
+                kMostSearchedAround,
+                findings);
   return judge_together(views, std::move(findings));
 }
 

@@ -4,8 +4,8 @@
 
 #include <Eigen/Geometry>
 
-#include "morgagni/geometry/point_cloud.h"
 #include "morgagni/registration/distance_field.h"
+#include "morgagni/registration/internal/sensor_points.h"
 
 namespace mor::internal {
 
@@ -32,7 +32,7 @@ struct RefinementRound {
 ///
 /// @return The pose; as it was where too few points are near.
 [[nodiscard]] Eigen::Isometry3d refine_on_plane(const DistanceField& field,
-                                                const PointCloud& moving,
+                                                const SensorPoints& moving,
                                                 const Eigen::Isometry3d& ct_from_depth,
                                                 const PlaneHold& hold,
                                                 const RefinementRound& round);

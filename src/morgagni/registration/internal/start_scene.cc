@@ -13,7 +13,6 @@ namespace mor::internal {
 namespace {
 
 constexpr std::size_t kSearchPoints = 600;
-constexpr std::size_t kRoughPoints = 1500;
 constexpr std::size_t kFullPoints = 5000;
 constexpr std::size_t kStandingPoints = 2500;
 constexpr float kLeastHeightMm = 6.0F;
@@ -111,9 +110,7 @@ StartScene make_scene(const StartPicture& picture,
   const float normal_radius_mm = kNormalRadius * body_extent_mm;
   const auto full = spread(picture, pixels, kFullPoints, body_extent_mm / 150.0F);
   scene.full = cloud_of(picture, full, normal_radius_mm);
-  scene.even = cloud_of(picture, full, normal_radius_mm, true);
-  scene.rough = cloud_of(
-      picture, spread(picture, full, kRoughPoints, body_extent_mm / 50.0F), normal_radius_mm);
+  scene.even = take_points(cloud_of(picture, full, normal_radius_mm, true));
   const auto few = spread(picture, full, kSearchPoints, body_extent_mm / 30.0F);
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const auto& [x, y] : few) middle += picture.point(x, y).cast<double>();

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "morgagni/geometry/point_cloud.h"
+#include "morgagni/registration/internal/sensor_points.h"
 #include "morgagni/registration/internal/start_picture.h"
 #include "morgagni/registration/internal/start_planes.h"
 
@@ -20,9 +21,8 @@ struct StartScene {
   Eigen::Isometry3d table_from_depth = Eigen::Isometry3d::Identity();
   std::vector<Eigen::Vector3f> search_points;  ///< Few, even over the surface, frame table.
   std::vector<Eigen::Vector3f> dense_points;   ///< Thousands, frame table.
-  PointCloud rough;                            ///< Some hundreds, frame depth, with normals.
-  PointCloud full;                             ///< Some thousands.
-  PointCloud even;                             ///< The same, each the mean around it.
+  PointCloud full;                             ///< Some thousands, frame depth, with normals.
+  SensorPoints even;                           ///< The same, each the mean around it.
 };
 
 /// @param body_height_mm  What rises much higher above the plane is not the body.
