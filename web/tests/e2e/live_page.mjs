@@ -32,6 +32,8 @@ const BROWSER_FLAGS = [
 export async function startServer(command, { timeout_ms = 60000, env = process.env } = {}) {
   const [program, ...parameters] = command;
   const process_ = spawn(program, parameters, { stdio: ['ignore', 'pipe', 'pipe'], env });
+  // A test that fails does not reach its stop().
+  process.once('exit', () => process_.kill('SIGKILL'));
   const log = [];
   const ended = new Promise((resolve) => process_.once('exit', resolve));
   const url = await new Promise((resolve, reject) => {
