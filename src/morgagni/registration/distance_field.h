@@ -32,17 +32,6 @@ struct FieldNode {
   std::array<std::int16_t, 3> normal{};  ///< Of the surface at the node's closest point.
 
   bool operator==(const FieldNode&) const = default;
-
-  /// The surface seen from a point `offset_mm` away from the node.
-  [[nodiscard]] FieldSample extended_by(const Eigen::Vector3f& offset_mm) const {
-    FieldSample sample;
-    sample.normal = (1.0F / kUnitsPerNormal) * Eigen::Vector3f(static_cast<float>(normal[0]),
-                                                               static_cast<float>(normal[1]),
-                                                               static_cast<float>(normal[2]));
-    sample.distance_mm =
-        (1.0F / kUnitsPerMm) * static_cast<float>(distance) + sample.normal.dot(offset_mm);
-    return sample;
-  }
 };
 
 /// A grid of nodes in a band around a surface, kept in bricks of 8x8x8 nodes; bricks that the band

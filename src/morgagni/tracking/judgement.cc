@@ -58,12 +58,6 @@ bool is_open(const FrameEvidence& evidence, const JudgementLimits& limits) {
 
 }  // namespace
 
-std::optional<TrackingGate> parse_tracking_gate(std::string_view name) {
-  if (name == "residual") return TrackingGate::kResidual;
-  if (name == "evidence") return TrackingGate::kEvidence;
-  return std::nullopt;
-}
-
 std::string_view to_string(Doubt doubt) {
   switch (doubt) {
     case Doubt::kNoBody:

@@ -23,9 +23,6 @@ enum class TrackingGate : std::uint8_t {
   kEvidence,  ///< Ours: everything below. Methods without information are judged by the residual.
 };
 
-/// "residual", "evidence". None for another word.
-[[nodiscard]] std::optional<TrackingGate> parse_tracking_gate(std::string_view name);
-
 /// Why a frame's pose is not to be trusted fully, or at all.
 enum class Doubt : std::uint8_t {
   kNoBody,         ///< Too little surface to register, or registration found no pose.

@@ -31,8 +31,6 @@ class EventStream {
   /// A comment line, so that both sides notice when the other is gone.
   void send_heartbeat();
 
-  [[nodiscard]] std::size_t num_listeners() const { return listeners_.size(); }
-
  private:
   struct Listener {
     EventStream& stream;
