@@ -81,11 +81,11 @@ void LiveTracking::look_for_start(const TrackedFrame& tracked) {
   const bool is_due = !last_searched_at_ || captured_at - *last_searched_at_ >= kSearchPause ||
                       captured_at < *last_searched_at_;
   if (!is_due) return;
-  if (!search_.is_searching()) last_searched_at_ = captured_at;
   if (in_step_) {
+    last_searched_at_ = captured_at;
     offer(search_.search(tracked.frame));
-  } else {
-    search_.begin(tracked.frame);
+  } else if (search_.begin(tracked.frame)) {
+    last_searched_at_ = captured_at;
   }
 }
 

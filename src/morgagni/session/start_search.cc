@@ -38,15 +38,15 @@ Result<SearchedFrame> StartSearch::search(std::shared_ptr<const RgbdFrame> frame
   return SearchedFrame{std::move(frame), std::move(result)};
 }
 
-void StartSearch::begin(std::shared_ptr<const RgbdFrame> frame) {
+bool StartSearch::begin(std::shared_ptr<const RgbdFrame> frame) {
   Job job{std::move(frame), {}};
   {
     const std::lock_guard lock(mutex_);
-    if (going_on_) return;
+    if (going_on_ || ended_) return false;
     going_on_ = job.stop;
-    ended_.reset();
   }
   jobs_.put(std::move(job));
+  return true;
 }
 
 std::optional<Result<SearchedFrame>> StartSearch::take() {

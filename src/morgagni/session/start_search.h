@@ -31,8 +31,9 @@ class StartSearch {
   /// Runs a search at once, on the calling thread.
   [[nodiscard]] Result<SearchedFrame> search(std::shared_ptr<const RgbdFrame> frame) const;
 
-  /// Begins a search in this frame, unless one goes on already.
-  void begin(std::shared_ptr<const RgbdFrame> frame);
+  /// Begins a search in this frame, unless one goes on or has ended that nobody has taken.
+  /// @return Whether it has begun.
+  bool begin(std::shared_ptr<const RgbdFrame> frame);
   /// What has ended since the last call.
   [[nodiscard]] std::optional<Result<SearchedFrame>> take();
   /// Gives up the search that goes on; its result is never handed out.

@@ -83,6 +83,22 @@ TEST(StartSearch, OneAtATimeAndCancelled) {
   EXPECT_TRUE(search.is_searching()) << "a cancelled search does not stand in the next one's way";
 }
 
+TEST(StartSearch, WhatEndedWhileAFrameWasTrackedIsNotLostToTheNextSearch) {
+  std::atomic<int> begun = 0;
+  StartSearch search([&begun](const RgbdFrame&, std::stop_token) -> Result<AutomaticStartResult> {
+    ++begun;
+    return found();
+  });
+  EXPECT_TRUE(search.begin(frame(1)));
+  while (search.is_searching()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_FALSE(search.begin(frame(2)));
+  const auto ended = search.take();
+  ASSERT_TRUE(ended && *ended);
+  EXPECT_EQ((**ended).frame->frame_id, 1U);
+  EXPECT_EQ(begun, 1);
+  EXPECT_TRUE(search.begin(frame(3)));
+}
+
 TEST(StartSearch, TheEndOfTheSessionEndsASearch) {
   std::atomic<int> begun = 0;
   {
