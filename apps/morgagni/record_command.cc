@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -110,47 +111,70 @@ void add_targets(const Arguments& arguments, const TriangleMesh& skin, TumRecord
   value_or_exit(recorder.add_file("targets.csv", targets_csv(targets)));
 }
 
+void exit_with(const std::optional<Error>& error) {
+  if (error) value_or_exit(Result<void>(tl::unexpect, *error));
+}
+
+/// Adds what the source gives, and finishes. A camera that fails or a disk that is full ends a
+/// recording, what it has so far is kept.
+/// @param words  Behind the number of frames.
+template <class Recorder>
+void record_all(const Arguments& arguments,
+                const Source& source,
+                const StopSignals& signals,
+                Recorder& recorder,
+                const std::function<Result<void>(const Shot&)>& add,
+                const std::function<std::string()>& words) {
+  const auto progress = console_progress();
+  int num_frames = 0;
+  std::optional<Error> problem;
+  while (!arguments.num_frames || num_frames < *arguments.num_frames) {
+    const auto shot = source(signals.token());
+    if (!shot) problem = shot.error();
+    if (!shot || !*shot) break;
+    const auto added = add(**shot);
+    if (!added) problem = added.error();
+    if (!added) break;
+    ++num_frames;
+    if (arguments.num_frames) {
+      progress("record", static_cast<double>(num_frames) / *arguments.num_frames);
+    }
+  }
+  if (num_frames == 0) exit_with(problem);
+  value_or_exit(recorder.finish());
+  fmt::print("{}: {} frames{}\n", arguments.out.string(), num_frames, words());
+  std::fflush(stdout);
+  exit_with(problem);
+}
+
 void record_tum(const Arguments& arguments,
                 const Source& source,
                 const TriangleMesh* skin,
                 const StopSignals& signals) {
   auto recorder = value_or_exit(TumRecorder::create(arguments.out));
   if (arguments.num_targets > 0) add_targets(arguments, *skin, recorder);
-  const auto progress = console_progress();
-  int num_frames = 0;
   bool has_truth = false;
-  while (!arguments.num_frames || num_frames < *arguments.num_frames) {
-    const auto shot = value_or_exit(source(signals.token()));
-    if (!shot) break;
-    value_or_exit(recorder.add(*shot->frame, shot->timestamp_s, shot->ct_from_camera));
-    has_truth = shot->ct_from_camera.has_value();
-    ++num_frames;
-    if (arguments.num_frames) {
-      progress("record", static_cast<double>(num_frames) / *arguments.num_frames);
-    }
-  }
-  value_or_exit(recorder.finish());
-  fmt::print("{}: {} frames{}\n",
-             arguments.out.string(),
-             num_frames,
-             has_truth ? " with their true poses" : "");
+  record_all(
+      arguments,
+      source,
+      signals,
+      recorder,
+      [&](const Shot& shot) {
+        has_truth = shot.ct_from_camera.has_value();
+        return recorder.add(*shot.frame, shot.timestamp_s, shot.ct_from_camera);
+      },
+      [&] { return std::string(has_truth ? " with their true poses" : ""); });
 }
 
 void record_matroska(const Arguments& arguments, const Source& source, const StopSignals& signals) {
   auto recorder = value_or_exit(MatroskaRecorder::create(arguments.out, arguments.color));
-  const auto progress = console_progress();
-  int num_frames = 0;
-  while (!arguments.num_frames || num_frames < *arguments.num_frames) {
-    const auto shot = value_or_exit(source(signals.token()));
-    if (!shot) break;
-    value_or_exit(recorder.add(*shot->frame));
-    ++num_frames;
-    if (arguments.num_frames) {
-      progress("record", static_cast<double>(num_frames) / *arguments.num_frames);
-    }
-  }
-  value_or_exit(recorder.finish());
-  fmt::print("{}: {} frames\n", arguments.out.string(), num_frames);
+  record_all(
+      arguments,
+      source,
+      signals,
+      recorder,
+      [&](const Shot& shot) { return recorder.add(*shot.frame); },
+      [] { return std::string(); });
 }
 
 std::string to_text(const RecordingProgress& progress) {
@@ -185,8 +209,8 @@ void record_mcap(const Arguments& arguments, const Source& source, const StopSig
   if (is_terminal) fmt::print(stderr, "\r\033[K");
   fmt::print("{}: {}\n", arguments.out.string(), to_text(progress));
   std::fflush(stdout);
-  if (progress.error) value_or_exit(Result<void>(tl::unexpect, *progress.error));
-  if (camera_error) value_or_exit(Result<void>(tl::unexpect, *camera_error));
+  exit_with(progress.error);
+  exit_with(camera_error);
 }
 
 void record(Arguments arguments) {
@@ -204,13 +228,14 @@ void record(Arguments arguments) {
                                Error{ErrorCode::kInvalidArgument,
                                      "--targets go with a folder as --out, not with a file"}));
   }
+  // Before the case: it is read by threads, which the signals would end the process through.
+  const StopSignals signals;
   std::shared_ptr<const TriangleMesh> skin;
   if (!arguments.folder.empty()) {
     const auto body = value_or_exit(load_case(arguments.folder));
     skin = std::shared_ptr<const TriangleMesh>(body.skin, &body.skin->mesh);
   }
   if (is_simulated && !arguments.num_frames) arguments.num_frames = kSimulatedFrames;
-  const StopSignals signals;
   const auto source = is_simulated ? simulated_source(arguments.camera, skin)
                                    : camera_source(arguments.camera, skin, signals.token());
   if (is_mcap) {
