@@ -8,12 +8,15 @@
 #include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/calibration/calibration_store.h"
 #include "morgagni/calibration/corrected_calibration.h"
 #include "morgagni/calibration/self_calibration.h"
 #include "morgagni/calibration/view_gatherer.h"
 #include "morgagni/camera/calibration_json.h"
+#include "morgagni/camera/open_camera.h"
 #include "morgagni/casefile/case.h"
 #include "morgagni/core/files.h"
+#include "morgagni/core/log.h"
 #include "morgagni/core/progress.h"
 #include "morgagni/core/utc.h"
 #include "morgagni/registration/automatic_start.h"
@@ -28,6 +31,7 @@ namespace mor {
 namespace {
 
 constexpr int kMaxViews = 200;
+constexpr int kMaxErrorsInARow = 10;
 
 struct Arguments {
   std::filesystem::path folder;
@@ -56,8 +60,17 @@ class Gatherer {
 
   [[nodiscard]] const ViewGatherer& gather(std::stop_token stop) {
     const auto progress = console_progress();
+    int num_errors = 0;
     while (static_cast<int>(gatherer_.views().size()) < arguments_.num_views) {
-      const auto frame = value_or_exit(camera_.next_frame(stop));
+      const auto given = camera_.next_frame(stop);
+      if (!given) {
+        log::warn("{}", given.error().message);
+        // What was gathered so far may be enough.
+        if (++num_errors == kMaxErrorsInARow) break;
+        continue;
+      }
+      num_errors = 0;
+      const auto& frame = *given;
       if (!frame) break;
       const auto tracked = value_or_exit(tracker_.process(frame));
       if (tracked.needs_start) offer_start(*tracked.frame, stop);
@@ -176,7 +189,8 @@ void self_calibrate(const Arguments& arguments) {
   const StopSignals signals;
   const auto body = value_or_exit(load_case(arguments.folder));
   const auto skin = std::shared_ptr<const TriangleMesh>(body.skin, &body.skin->mesh);
-  const auto camera = value_or_exit(open_camera(arguments.camera, skin));
+  const auto camera = value_or_exit(
+      open_camera(arguments.camera, skin, signals.token(), CalibrationStore().known()));
   const auto& calibration = camera->calibration();
   Gatherer gatherer(arguments, body, *camera);
   const auto& gathered = gatherer.gather(signals.token());

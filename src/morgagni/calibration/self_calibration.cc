@@ -65,13 +65,12 @@ class Estimation {
     result.num_views = static_cast<int>(views_.size());
     result.num_parameters = static_cast<int>(sensor_.size());
     result.sees_table = models_.has_table();
+    result.depth = depth_;
     if (views_.size() < 5) return result;
     ModelFit both{BundleModel::kSensorAndSkin, models_.start(), {}};
     fit(both, kPasses);
     if (stop_.stop_requested()) return result;
     const auto scatter = models_.scatter_of(both.views, both.state);
-    result.noise_ratio = scatter.ratio;
-    result.correlated_readings = scatter.correlated;
     models_.weigh_by(scatter, both.views);
     fit(both, 1);
     const Eigen::MatrixXd at_first = models_.sensor_prior();

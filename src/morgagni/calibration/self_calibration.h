@@ -115,8 +115,6 @@ struct SelfCalibration {
   int num_views = 0;
   /// How large the error is where it is seen, over what was expected of sensors (SensorPrior).
   double size_ratio = 0.0;
-  double noise_ratio = 0.0;          ///< Of the blocks' residuals over single readings' noise.
-  double correlated_readings = 0.0;  ///< So many err together.
 
   [[nodiscard]] bool corrects_sensor() const { return verdict == SelfCalibrationVerdict::kError; }
   /// Whether anything is proposed.
