@@ -129,8 +129,11 @@ MotionCoverage ViewGatherer::coverage() const {
     const double roll = roll_rad(first, pose);
     least_roll = std::min(least_roll, roll);
     most_roll = std::max(most_roll, roll);
-    const double cosine = first.linear().col(2).dot(pose.linear().col(2));
-    coverage.turn_rad = std::max(coverage.turn_rad, std::acos(std::clamp(cosine, -1.0, 1.0)));
+    for (std::size_t other = 0; other < i; ++other) {
+      const double cosine =
+          views_[other].ct_from_depth.linear().col(2).dot(pose.linear().col(2));
+      coverage.turn_rad = std::max(coverage.turn_rad, std::acos(std::clamp(cosine, -1.0, 1.0)));
+    }
   }
   coverage.roll_rad = most_roll - least_roll;
   return coverage;

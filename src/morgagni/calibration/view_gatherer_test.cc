@@ -87,6 +87,16 @@ TEST(ViewGatherer, IsContentWithAGoodSweep) {
   EXPECT_EQ(coverage.views_in_part[4], 0) << "nothing was in the middle";
 }
 
+TEST(ViewGatherer, TheSidesAreToldFromEachOtherNotFromTheFirstView) {
+  ViewGatherer gatherer(kCamera);
+  for (const double turn : {0.0, -50.0, 50.0}) {
+    auto one = view(0, 0, 160, 120, 700.0F);
+    one.ct_from_depth = moved(0.0, turn * kDegree);
+    gatherer.add(one, at(0));
+  }
+  EXPECT_NEAR(gatherer.coverage().turn_rad, 100.0 * kDegree, 1e-9);
+}
+
 TEST(ViewGatherer, ForgetsTheOldest) {
   ViewGatherer gatherer(kCamera);
   for (int i = 0; i < 5; ++i) {
