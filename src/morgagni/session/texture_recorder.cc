@@ -84,7 +84,7 @@ void TextureRecorder::start_again() {
 Result<void> TextureRecorder::save() {
   {
     const std::lock_guard lock(mutex_);
-    if (!texture_ || status_.num_frames == 0) {
+    if (!texture_ || status_.num_frames == 0 || wants_again_) {
       return make_error(ErrorCode::kInvalidArgument,
                         "there is nothing to save: no skin has been recorded yet");
     }
@@ -204,19 +204,24 @@ void TextureRecorder::run(std::stop_token stop) {
     }();
     const auto begun = Clock::now();
     const bool has_frame = arrived && *arrived;
-    if (again) {
-      fusion->clear();
-      const std::lock_guard lock(mutex_);
-      status_.last.reset();
-      status_.is_saved = false;
-    }
     if (has_frame && !again) melt(*fusion, **arrived);
-    const bool has_changed = fusion->version() != shown_version_;
-    if (has_changed && (again || save || begun >= next_show)) {
+    const auto show_if = [&](bool is_due) {
+      if (!is_due || fusion->version() == shown_version_) return;
       show(*fusion);
       next_show = Clock::now() + kShowPeriod;
-    }
+    };
+    show_if(save || begun >= next_show);
+    // First: whoever saves and then begins again wants what was there kept.
     if (save) write();
+    if (again) {
+      fusion->clear();
+      {
+        const std::lock_guard lock(mutex_);
+        status_.last.reset();
+        status_.is_saved = false;
+      }
+      show_if(true);
+    }
     // Frames come faster than they are wanted.
     if (!has_frame) continue;
     std::unique_lock lock(mutex_);

@@ -146,6 +146,17 @@ TEST_F(TextureTest, StartsAgainButTheCaseKeepsWhatItHas) {
   EXPECT_TRUE(read_skin_texture(body_->folder / "texture").has_value());
 }
 
+TEST_F(TextureTest, WhatIsSavedAndThenBegunAgainIsSaved) {
+  record_some();
+  ASSERT_EQ(ask("POST /api/texture/save").status, 200);
+  ASSERT_EQ(ask("POST /api/texture/clear").status, 200);
+  ASSERT_TRUE(eventually(
+      [this] { return recorder_->status().num_frames == 0 && !recorder_->status().is_saving; }));
+  const auto kept = read_skin_texture(body_->folder / "texture");
+  ASSERT_TRUE(kept);
+  EXPECT_FALSE(kept->frames.empty());
+}
+
 TEST_F(TextureTest, OnAFullDiskItSaysSoAndTheOldOneStays) {
   record_some();
   ASSERT_TRUE(save_and_wait());
