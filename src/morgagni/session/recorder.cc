@@ -217,7 +217,10 @@ Result<double> Recorder::finish_files(const std::string& name,
   }
   const VideoFiles repaired{folder_ / (name + ".repair.webm"), folder_ / (name + ".repair.jsonl")};
   MOR_TRY(const auto num_pictures, repair_video(part.video, repaired.video));
-  MOR_CHECK(write_lines(part.pictures, repaired.pictures, num_pictures));
+  // Where they were moved already when the program ended, the video alone is unfinished.
+  std::error_code is_missing;
+  const auto& lines = fs::exists(part.pictures, is_missing) ? part.pictures : whole.pictures;
+  MOR_CHECK(write_lines(lines, repaired.pictures, num_pictures));
   MOR_TRY(const double seconds,
           write_evidence(name, {repaired.video, repaired.pictures, num_pictures, how}));
   MOR_CHECK(moved(repaired.pictures, whole.pictures));
@@ -251,7 +254,8 @@ void Recorder::finish(const std::string& name, const std::string& problem, bool 
   const std::lock_guard lock(mutex_);
   status_.last_failed = !seconds || !problem.empty();
   status_.last_said = std::move(said);
-  if (is_left_over && seconds) status_.name = name;
+  // A new one may have begun meanwhile.
+  if (is_left_over && seconds && status_.state == RecorderState::kIdle) status_.name = name;
 }
 
 }  // namespace mor
