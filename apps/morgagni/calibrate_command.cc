@@ -74,7 +74,7 @@ struct Gathered {
 
 Gathered gather_images(const Arguments& arguments, const CalibrationBoard& board) {
   const auto pictures = value_or_exit(read_still_pictures(arguments.images));
-  const auto design = arguments.design.empty() ? unknown_calibration(pictures.front())
+  const auto design = arguments.design.empty() ? unknown_calibration(pictures)
                                                : read_calibration(arguments.design);
   Gathered gathered{ViewCollector(board, design), arguments.device};
   const auto pointer = [](const auto& optional) { return optional ? &*optional : nullptr; };
@@ -187,7 +187,10 @@ void keep(const Arguments& arguments, const Gathered& gathered, const RigCalibra
 
 /// On the page until Ctrl-C.
 void serve_page(const Arguments& arguments) {
-  if (arguments.camera.empty()) fail("--page needs a live camera: --camera NAME");
+  if (arguments.camera.empty() || !arguments.images.empty())
+    fail("--page needs a live camera: --camera NAME");
+  if (!arguments.out.empty() || !arguments.keeps)
+    fail("on the page it is kept by the key Keep it: --out and --no-keep go without --page");
   const StopSignals signals;
   CalibrationDeskOptions options;
   options.board = value_or_exit(parse_board(arguments.board));
@@ -195,6 +198,8 @@ void serve_page(const Arguments& arguments) {
                               arguments.skips_depth ? 0 : arguments.num_wall_views};
   options.rig.fits_depth = !arguments.skips_depth;
   options.rig.depth.form = kForms.at(arguments.depth_form);
+  options.rig.infrared_offset_px = {arguments.infrared_offset_px.first,
+                                    arguments.infrared_offset_px.second};
   options.device_id = arguments.device;
   options.server = arguments.server;
   if (options.server.web_root.empty()) options.server.web_root = default_web_root();

@@ -104,6 +104,7 @@ class Desk final : public CalibrationDesk {
     const std::lock_guard lock(mutex_);
     if (collector_.views().empty()) return refusal("no view has been taken yet");
     collector_.drop_last();
+    ++generation_;
     is_enough_ = false;
     forget_result();
     return json_response(state());
@@ -112,6 +113,7 @@ class Desk final : public CalibrationDesk {
   HttpResponse restart() {
     const std::lock_guard lock(mutex_);
     collector_ = ViewCollector(options_.board, camera_->calibration(), options_.collector);
+    ++generation_;
     is_enough_ = false;
     forget_result();
     return json_response(state());
@@ -122,11 +124,13 @@ class Desk final : public CalibrationDesk {
     if (is_solving_) return refusal("the last calibration is still being computed");
     is_solving_ = true;
     forget_result();
-    solve_thread_ = std::jthread([this, collector = collector_](std::stop_token) {
+    solve_thread_ = std::jthread([this, collector = collector_, of = generation_](std::stop_token) {
       auto result = collector.solve(options_.rig);
       const std::lock_guard done(mutex_);
       is_solving_ = false;
-      if (result) {
+      if (of != generation_) {
+        // Of views that have been dropped since.
+      } else if (result) {
         result_ = *std::move(result);
       } else {
         problem_ = result.error().message;
@@ -281,6 +285,7 @@ class Desk final : public CalibrationDesk {
   bool is_enough_ = false;
   std::string camera_error_;
   bool is_solving_ = false;
+  int generation_ = 0;  ///< Of the views: one more when some are dropped.
   std::optional<RigCalibration> result_;
   std::string problem_;
   std::string kept_;

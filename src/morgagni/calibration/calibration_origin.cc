@@ -18,7 +18,6 @@ constexpr std::chrono::hours kHalfAYear{24 * 182};
 /// How it was found, by KeptCalibration::made_by.
 std::string source_of(std::string_view made_by) {
   if (made_by == "board") return "found with a board";
-  if (made_by == "skin") return "found on a body's skin";
   return std::string(made_by);
 }
 

@@ -31,8 +31,12 @@ TEST(CalibrationOrigin, SaysHowOneThatIsKeptWasFoundAndHowOldItIs) {
   EXPECT_EQ(origin.age, "12 days old");
   EXPECT_TRUE(origin.is_depth_corrected);
   EXPECT_EQ(origin.hint, "");
-  EXPECT_EQ(calibration_origin(of("skin, 2026-11-26T15:30:00Z"), "push:1", kNow).source,
-            "found on a body's skin");
+  EXPECT_EQ(calibration_origin(of("self-calibration on the CT skin, built on [board, "
+                                  "2026-11-14T15:00:00Z], 2026-11-26T15:30:00Z"),
+                               "push:1",
+                               kNow)
+                .source,
+            "self-calibration on the CT skin, built on [board, 2026-11-14T15:00:00Z]");
 }
 
 TEST(CalibrationOrigin, UnderstandsWhatTheStoreWrites) {

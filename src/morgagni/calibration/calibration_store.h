@@ -18,7 +18,7 @@ namespace mor {
 struct KeptCalibration {
   std::string device_id;  ///< RangeCamera::device_id(); of letters, digits, '-', '_', '.' alone.
   std::chrono::system_clock::time_point made_at;  ///< To the second.
-  std::string made_by;                            ///< "board", "skin": how it was found.
+  std::string made_by;                            ///< "board", or in words how it was found.
   /// What it is worth, in words for people and in the order they are read.
   std::vector<std::pair<std::string, std::string>> figures;
   RgbdCalibration calibration;

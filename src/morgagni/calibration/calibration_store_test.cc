@@ -43,6 +43,17 @@ class CalibrationStoreTest : public testing::Test {
   CalibrationStore store_{folder_};
 };
 
+TEST_F(CalibrationStoreTest, TakesBackWhatItKept) {
+  for (const auto& folder : {folder_, folder_ / ""}) {
+    const CalibrationStore store(folder);
+    const auto file = store.save(kept(50.0, 3));
+    ASSERT_TRUE(file);
+    EXPECT_TRUE(store.take_back(*file)) << folder;
+    EXPECT_FALSE(store.newest("freenect-A0036"));
+  }
+  EXPECT_FALSE(store_.take_back(folder_.parent_path() / "a" / "b.json"));
+}
+
 TEST_F(CalibrationStoreTest, GivesBackTheNewestOfADevice) {
   EXPECT_FALSE(store_.newest("freenect-A0036"));
   ASSERT_TRUE(store_.save(kept(50.0, 3)));

@@ -112,8 +112,6 @@ std::optional<BoardPlace> place_of(const CalibrationBoard& board,
   const auto pose = camera_from_board(board, sighting, camera);
   if (!pose) return std::nullopt;
   BoardPlace place;
-  for (const auto& corner : sighting.corners) place.center_px += corner.px;
-  place.center_px /= static_cast<double>(std::max<std::size_t>(1, sighting.corners.size()));
   place.distance_mm = (*pose * (0.5 * board.corner_mm(board.num_corners() - 1))).z();
   const Eigen::Vector3d into_board = pose->linear().col(2);
   place.right_nearer_deg = kDegPerRad * std::atan2(into_board.x(), into_board.z());

@@ -15,7 +15,6 @@ namespace mor {
 
 /// Where a board is held, as far as a picture and the design's lens tell.
 struct BoardPlace {
-  Eigen::Vector2d center_px = Eigen::Vector2d::Zero();  ///< Of the corners seen.
   double distance_mm = 0.0;
   double right_nearer_deg = 0.0;  ///< Tilt: its right edge is nearer than its left one; negative:
                                   ///< farther.

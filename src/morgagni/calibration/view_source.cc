@@ -99,16 +99,18 @@ Result<std::vector<StillPictures>> read_still_pictures(const fs::path& folder) {
   return result;
 }
 
-RgbdCalibration unknown_calibration(const StillPictures& pictures) {
-  RgbdCalibration calibration;
-  const auto& like = pictures.color ? pictures.color : pictures.infrared;
-  if (like) calibration.color = unknown_lens(like->width(), like->height());
-  calibration.depth = calibration.color;
-  if (pictures.infrared) {
-    calibration.depth = unknown_lens(pictures.infrared->width(), pictures.infrared->height());
-  } else if (pictures.depth_mm) {
-    calibration.depth = unknown_lens(pictures.depth_mm->width(), pictures.depth_mm->height());
+RgbdCalibration unknown_calibration(const std::vector<StillPictures>& pictures) {
+  std::optional<PinholeCamera> color;
+  std::optional<PinholeCamera> depth;
+  for (const auto& each : pictures) {
+    if (!color && each.color) color = unknown_lens(each.color->width(), each.color->height());
+    if (depth) continue;
+    if (each.infrared) depth = unknown_lens(each.infrared->width(), each.infrared->height());
+    if (each.depth_mm) depth = unknown_lens(each.depth_mm->width(), each.depth_mm->height());
   }
+  RgbdCalibration calibration;
+  if (color || depth) calibration.color = color ? *color : *depth;
+  calibration.depth = depth ? *depth : calibration.color;
   return calibration;
 }
 

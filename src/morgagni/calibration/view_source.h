@@ -33,8 +33,8 @@ struct StillPictures {
     const std::filesystem::path& folder);
 
 /// What stands where no calibration is known: lenses without distortion and of 60 degrees, one in
-/// the place of the other.
-[[nodiscard]] RgbdCalibration unknown_calibration(const StillPictures& pictures);
+/// the place of the other, of the sizes of the first pictures of each kind.
+[[nodiscard]] RgbdCalibration unknown_calibration(const std::vector<StillPictures>& pictures);
 
 /// Opens a camera to calibrate, as its design has it: what is kept of it is not applied. Besides
 /// all that open_camera() knows there is `simulated-board:key=value,...` (SimulatedBoardOptions).
