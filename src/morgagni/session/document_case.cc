@@ -12,6 +12,7 @@
 
 #include "morgagni/core/files.h"
 #include "morgagni/core/folder_lock.h"
+#include "morgagni/core/log.h"
 #include "morgagni/documentation/findings_io.h"
 #include "morgagni/documentation/skin_texture_io.h"
 
@@ -133,7 +134,14 @@ std::vector<DocumentPicture> pictures_in(const fs::path& folder) {
   std::sort(pictures.begin(), pictures.end(), [](const auto& a, const auto& b) {
     return a.file < b.file;
   });
-  if (pictures.size() > kMaxPictures) pictures.resize(kMaxPictures);
+  // By name they are in the order of time.
+  if (pictures.size() > kMaxPictures) {
+    log::warn("{}: {} pictures, the documents show the newest {}",
+              folder.string(),
+              pictures.size(),
+              kMaxPictures);
+    pictures.erase(pictures.begin(), pictures.end() - static_cast<std::ptrdiff_t>(kMaxPictures));
+  }
   return pictures;
 }
 
@@ -149,7 +157,13 @@ Result<std::vector<HashedFile>> hashes_of(const fs::path& folder) {
   };
   for (const char* below : {"", "findings", "texture", "pictures"}) collect(below);
   std::sort(names.begin(), names.end());
-  if (names.size() > kMaxHashedFiles) names.resize(kMaxHashedFiles);
+  if (names.size() > kMaxHashedFiles) {
+    log::warn("{}: {} files, the documents list the hashes of {}",
+              folder.string(),
+              names.size(),
+              kMaxHashedFiles);
+    names.resize(kMaxHashedFiles);
+  }
   std::vector<HashedFile> files;
   for (const auto& name : names) {
     MOR_TRY(const auto sha256, sha256_hex_of_file(folder / name));

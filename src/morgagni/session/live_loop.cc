@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "morgagni/core/log.h"
+#include "morgagni/core/printable_text.h"
 #include "morgagni/session/depth_pick.h"
 
 namespace mor {
@@ -164,6 +165,7 @@ LiveStatus LiveLoop::status() const {
 
 void LiveLoop::set_camera_error(std::optional<std::string> sentence) {
   const std::lock_guard lock(mutex_);
+  if (sentence) sentence = printable_text(*sentence);
   if (sentence && sentence != camera_error_) log::warn("{}", *sentence);
   camera_error_ = std::move(sentence);
 }

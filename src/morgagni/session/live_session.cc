@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "morgagni/core/folder_lock.h"
+#include "morgagni/core/printable_text.h"
 #include "morgagni/session/routes/api_json.h"
 #include "morgagni/session/routes/documents_routes.h"
 #include "morgagni/session/routes/findings_routes.h"
@@ -37,7 +38,7 @@ class Session final : public LiveSession {
         server_(std::move(server)),
         recorder_(std::move(recorder)),
         method_(to_string(options.loop.registration.method)),
-        camera_name_(options.camera_name),
+        camera_name_(printable_text(options.camera_name)),
         calibration_(std::move(calibration)),
         status_thread_([this](std::stop_token stop) { report(stop); }) {}
 
@@ -106,8 +107,8 @@ Result<std::unique_ptr<LiveSession>> LiveSession::start(Case body,
       shared_body,
       [loop] { return loop->calibration(); },
       [loop] { return loop->skin(); },
-      options.camera_name);
-  const auto recording = make_session_recorder(*shared_body, options.camera_name);
+      printable_text(options.camera_name));
+  const auto recording = make_session_recorder(*shared_body, printable_text(options.camera_name));
   loop->observe([recording](const TrackedFrame& tracked) { recording->see(tracked); });
   const RgbdCalibration own_calibration = *loop->calibration();
   const CalibrationInUse calibration{[loop] { return loop->calibration(); },

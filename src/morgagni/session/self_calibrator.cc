@@ -15,6 +15,7 @@
 #include "morgagni/calibration/corrected_calibration.h"
 #include "morgagni/calibration/skin_readings.h"
 #include "morgagni/core/log.h"
+#include "morgagni/core/printable_text.h"
 #include "morgagni/core/utc.h"
 
 namespace mor {
@@ -153,7 +154,7 @@ KeptCalibration SelfCalibrator::to_keep(const SelfCalibration& found,
   made.made_at = std::chrono::system_clock::now();
   const auto base = in_use.origin.empty() ? std::string("the camera's own") : in_use.origin;
   made.made_by = fmt::format("self-calibration on the CT skin, built on [{}]",
-                             base.substr(0, kMostOriginWords));
+                             printable_text(base.substr(0, kMostOriginWords)));
   const auto& held = found.held_out;
   made.figures = {
       {"case", body_->name},
