@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
 #include <string>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 
@@ -21,6 +23,20 @@ T value_or_exit(Result<T> result) {
     throw CLI::RuntimeError(kExitFailure);
   }
   if constexpr (!std::is_void_v<T>) return *std::move(result);
+}
+
+/// Makes the folder that results go to; before the work, not after it.
+inline void make_folder_or_exit(const std::filesystem::path& folder) {
+  std::error_code status;
+  std::filesystem::create_directories(folder, status);
+  if (!std::filesystem::is_directory(folder)) {
+    value_or_exit(Result<void>(
+        tl::unexpect,
+        Error{ErrorCode::kIo,
+              fmt::format("{}: {}",
+                          folder.string(),
+                          status ? status.message() : "there is something else")}));
+  }
 }
 
 }  // namespace mor

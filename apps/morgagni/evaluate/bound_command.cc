@@ -43,6 +43,7 @@ constexpr Shown kShown[] = {
 };
 
 void evaluate(const Arguments& arguments) {
+  if (!arguments.out.empty()) make_folder_or_exit(arguments.out);
   std::vector<BoundGroup> groups;
   for (const auto& folder : arguments.folders) {
     const auto body = value_or_exit(load_case(folder));
@@ -68,7 +69,6 @@ void evaluate(const Arguments& arguments) {
         "{}: {} of {} frames refused\n", groups[i].name, runs.num_not_found[i], runs.num_frames[i]);
   }
   if (arguments.out.empty()) return;
-  std::filesystem::create_directories(arguments.out);
   value_or_exit(write_file(arguments.out / "bound.md", to_markdown(lines)));
   value_or_exit(write_file(arguments.out / "bound.json",
                            to_json(lines, runs, arguments.options, calibration) + "\n"));

@@ -129,6 +129,7 @@ void add_recorded(const Case& body,
 }
 
 void evaluate(const Arguments& arguments) {
+  if (!arguments.out.empty()) make_folder_or_exit(arguments.out);
   std::vector<SelfCalibrationGroup> groups;
   for (const auto& folder : arguments.folders) {
     const auto body = value_or_exit(load_case(folder));
@@ -137,7 +138,6 @@ void evaluate(const Arguments& arguments) {
       continue;
     }
     for (const auto& shown : kShown) {
-      if (std::string_view(shown.name).find(arguments.only) == std::string_view::npos) continue;
       groups.push_back({body.name + shown.name,
                         body.skin,
                         shown.camera,
@@ -147,11 +147,13 @@ void evaluate(const Arguments& arguments) {
                         shown.pinhole_sd});
     }
   }
+  std::erase_if(groups, [&arguments](const SelfCalibrationGroup& group) {
+    return group.name.find(arguments.only) == std::string::npos;
+  });
   const auto runs =
       value_or_exit(run_self_calibration_study(groups, arguments.options, console_progress()));
   fmt::print("{}\n", to_markdown(groups, runs));
   if (arguments.out.empty()) return;
-  std::filesystem::create_directories(arguments.out);
   value_or_exit(write_file(arguments.out / "self-calibration.md", to_markdown(groups, runs)));
   value_or_exit(write_file(arguments.out / "self-calibration.json",
                            to_json(groups, runs, arguments.options) + "\n"));

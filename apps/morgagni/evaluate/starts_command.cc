@@ -130,13 +130,13 @@ void add_evaluate_starts_command(CLI::App& evaluate_app) {
                        "In place of a camera: folder in the TUM RGB-D layout with groundtruth.txt "
                        "and targets.csv")
           ->excludes(camera);
-  command
+  auto* other_body = command
       ->add_option("--other-body",
                    arguments->other_folder,
                    "Case whose body the simulated camera sees in place of this one's: every start "
                    "that is found is wrong")
       ->excludes(recording);
-  command
+  auto* mirrored = command
       ->add_flag("--mirrored",
                  arguments->mirrors,
                  "The simulated camera sees the body's mirror image: every start that is found is "
@@ -155,7 +155,10 @@ void add_evaluate_starts_command(CLI::App& evaluate_app) {
       ->excludes(recording);
   command->add_option("--threads", options.start.num_threads, "Of the automatic start")
       ->capture_default_str();
-  command->add_flag("--gravity", options.knows_gravity, "The camera knows which way is down");
+  // Down is told by the camera's true pose in this case's CT.
+  command->add_flag("--gravity", options.knows_gravity, "The camera knows which way is down")
+      ->excludes(other_body)
+      ->excludes(mirrored);
   command->add_option("--json", arguments->json, "Write the report there as well")
       ->type_name("FILE");
   command->footer(

@@ -30,6 +30,7 @@ struct Arguments {
 };
 
 void evaluate(const Arguments& arguments) {
+  if (!arguments.out.empty()) make_folder_or_exit(arguments.out);
   const auto body = value_or_exit(load_case(arguments.folder));
   auto options = arguments.options;
   options.fusion.aligns_frames = !arguments.holds_poses;
@@ -38,7 +39,6 @@ void evaluate(const Arguments& arguments) {
   if (arguments.out.empty()) return;
   constexpr int kSideWidthPx = 480;
   constexpr int kSideHeightPx = 520;
-  std::filesystem::create_directories(arguments.out);
   value_or_exit(write_file(arguments.out / "texture.md", to_markdown(study)));
   value_or_exit(write_skin_texture(arguments.out / "texture", study.texture));
   value_or_exit(write_file(arguments.out / "truth.png", encode_png(study.truth.view())));
