@@ -54,8 +54,6 @@ class StartPictureMaker {
  public:
   explicit StartPictureMaker(const PinholeCamera& depth_camera);
 
-  [[nodiscard]] const PinholeCamera& camera() const { return small_camera_; }
-
   /// Readings beyond `max_mm` are dropped. @param depth_mm  Of the depth camera's size.
   [[nodiscard]] StartPicture make(ImageView<const std::uint16_t> depth_mm, float max_mm) const;
 

@@ -33,14 +33,6 @@ struct StartVolume {
   [[nodiscard]] const std::int8_t* row(int y, int z) const {
     return worth.data() + row_offset(y, z);
   }
-  /// The worth of a point of frame lying, 0 outside the grid.
-  [[nodiscard]] int at(const Eigen::Vector3f& p) const {
-    const Eigen::Vector3f grid = (p - origin_mm) / spacing_mm + Eigen::Vector3f::Constant(0.5F);
-    if (!(grid.minCoeff() >= 0.0F)) return 0;
-    const Eigen::Vector3i node = grid.cast<int>();
-    if (node.x() >= size[0] || node.y() >= size[1] || node.z() >= size[2]) return 0;
-    return row(node.y(), node.z())[node.x()];
-  }
 
  private:
   [[nodiscard]] std::ptrdiff_t row_offset(int y, int z) const {
