@@ -85,16 +85,16 @@ double skin_z_mm(const RenderScene& scene, const OverlayView& view, const Vector
   return std::isfinite(hit.z_mm) ? hit.z_mm : 0.0;
 }
 
-/// The slice, where the body is in it. @return z of its plane on the ray; 0: none.
+/// The slice, where the body is in it. @return z of its plane on the ray, before which a slice that
+/// cuts leaves nothing; infinite: the ray never meets it; 0: there is no slice.
 double hit_slice(const RenderScene& scene, const OverlayView& view, const Ray& ray, Hit& nearest) {
   if (!scene.volume || view.slice.plane == SlicePlane::kNone) return 0.0;
   const auto plane = internal::slice_plane(
       view.slice, *scene.volume, *view.color_from_ct, skin_z_mm(scene, view, ray.start));
   const Vector3d in_camera = view.color_from_ct->linear() * ray.direction;
   const double slope = plane->normal().dot(in_camera);
-  if (std::abs(slope) < 1e-6) return 0.0;
   const double z_mm = -plane->offset() / slope;
-  if (!(z_mm > 1.0)) return 0.0;
+  if (std::abs(slope) < 1e-6 || z_mm < 0.0) return std::numeric_limits<double>::infinity();
   const bool is_seen =
       view.slice.opacity >= kLeastOpacity && hu_at(*scene.volume, ray.at(z_mm)) != kOutsideHu;
   if (is_seen && z_mm < nearest.z_mm) {

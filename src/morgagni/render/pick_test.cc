@@ -104,6 +104,22 @@ TEST(PickPoint, FindsTheSliceAndWhatStandsInFrontOfIt) {
   EXPECT_EQ(pick_point(scene, sliced, {320.0, 239.0})->thing, PickedThing::kSkin);
 }
 
+TEST(PickPoint, FindsOnlySkinWhereTheCuttingSliceLeavesNothing) {
+  const auto scene = ball();
+  auto cut = view();
+  // From the front, below the plane: what lies on this side of it is cut away.
+  cut.color_from_ct = Eigen::Isometry3d(Eigen::AngleAxisd(M_PI / 2.0, Vector3d::UnitX()));
+  cut.color_from_ct->pretranslate(Vector3d(0, 0, 500));
+  cut.slice = {.plane = SlicePlane::kAxial, .position = 0.8F};
+  for (const double z_mm : {0.0, -10.0}) {  // A ray beside the plane, and one away from it.
+    const auto pixel = pixel_of(cut, {0.0, 0.0, z_mm});
+    cut.slice.cuts = true;
+    EXPECT_EQ(pick_point(scene, cut, pixel)->thing, PickedThing::kSkin);
+    cut.slice.cuts = false;
+    EXPECT_EQ(pick_point(scene, cut, pixel)->thing, PickedThing::kStructure);
+  }
+}
+
 TEST(PickPoint, FindsWhereTheVolumeIsDense) {
   const auto scene = ball();
   auto volumed = view();
