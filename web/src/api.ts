@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
+import { toServer, type Point } from './geometry';
 import { sentenceOf } from './server_error';
 
 export type TrackingState = 'waiting' | 'tracking' | 'uncertain' | 'lost';
@@ -200,15 +201,15 @@ export const api = {
   setView: (change: Partial<View>) => call<View>('/api/view', change),
   freeze: (frozen: boolean) => call<object>('/api/freeze', { frozen }),
   startAutomatically: () => call<object>('/api/start/automatic', {}),
-  /** The CT point under a pixel of the picture shown. */
-  touch: (x: number, y: number) => call<Touched>('/api/touch', { x, y }),
+  /** The CT point under a point of the picture shown. Points are the page's here, in px from its corner. */
+  touch: (point: Point) => call<Touched>('/api/touch', toServer(point)),
   startByPlacement: (placement: { distance_mm: number; side: BodySide; roll_rad: number }) =>
     call<object>('/api/start/placement', placement),
   beginLandmarks: () => call<object>('/api/landmarks/begin', {}),
-  pickOnCt: (viewpoint: SkinViewpoint, x: number, y: number) =>
-    call<{ ct_mm: Point3 }>('/api/landmarks/ct', { ...viewpoint, x, y }),
-  pickOnLive: (x: number, y: number) =>
-    call<{ depth_mm: Point3 }>('/api/landmarks/live', { x, y }),
+  pickOnCt: (viewpoint: SkinViewpoint, point: Point) =>
+    call<{ ct_mm: Point3 }>('/api/landmarks/ct', { ...viewpoint, ...toServer(point) }),
+  pickOnLive: (point: Point) =>
+    call<{ depth_mm: Point3 }>('/api/landmarks/live', toServer(point)),
   solveLandmarks: (pairs: LandmarkPair[]) =>
     call<LandmarkSolution>('/api/landmarks/solve', { pairs }),
   acceptLandmarks: (pairs: LandmarkPair[]) =>

@@ -250,7 +250,7 @@ export class App {
 
   private async touch(point: Point): Promise<void> {
     try {
-      this.stage.showReadout(point, touchLines(await api.touch(point.x, point.y)));
+      this.stage.showReadout(point, touchLines(await api.touch(point)));
     } catch (error) {
       this.stage.hideReadout();
       this.toast.sayError(error);

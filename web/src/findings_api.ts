@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
 import { call, type Point3 } from './api';
+import { toServer, type Point } from './geometry';
 
 export type FindingKind = 'point' | 'distance' | 'geodesic';
 
@@ -37,8 +38,8 @@ export interface FindingList {
 
 export const findingsApi = {
   list: () => call<FindingList>('/api/findings'),
-  pick: (x: number, y: number, frame_id: number | undefined) =>
-    call<Pick>('/api/findings/pick', { x, y, frame_id: frame_id ?? null }),
+  pick: (point: Point, frame_id: number | undefined) =>
+    call<Pick>('/api/findings/pick', { ...toServer(point), frame_id: frame_id ?? null }),
   cancel: () => call<object>('/api/findings/cancel', {}),
   add: (kind: FindingKind, picks: number[], note: string) =>
     call<Finding>('/api/findings/add', { kind, picks, note }),

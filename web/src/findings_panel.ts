@@ -110,8 +110,12 @@ export class FindingsPanel {
     this.busy = true;
     try {
       const frame_id = this.live.lastPicture()?.info?.frame_id;
-      const pick = await findingsApi.pick(point.x - 0.5, point.y - 0.5, frame_id);
-      if (making !== this.making) return;
+      const pick = await findingsApi.pick(point, frame_id);
+      if (making !== this.making) {
+        // Given up meanwhile: nobody takes this pick up.
+        if (!this.making?.picks.length) await findingsApi.cancel();
+        return;
+      }
       making.picks.push(pick.pick);
       this.showMaking();
       if (making.picks.length < (making.kind === 'point' ? 1 : 2)) return;

@@ -38,6 +38,11 @@ export function fromPicture(point: Point, box: Size, picture: Size): Point {
   };
 }
 
+/** The server counts pixels from the middle of the first one, the page from the picture's corner. */
+export function toServer({ x, y }: Point): Point {
+  return { x: x - 0.5, y: y - 0.5 };
+}
+
 export function clamp(value: number, low: number, high: number): number {
   return Math.min(Math.max(value, low), high);
 }

@@ -70,7 +70,7 @@ export class LandmarkPanel {
 
   private async tapCt(viewpoint: SkinViewpoint, pixel: Point): Promise<void> {
     try {
-      const { ct_mm } = await api.pickOnCt(viewpoint, pixel.x, pixel.y);
+      const { ct_mm } = await api.pickOnCt(viewpoint, pixel);
       this.landmarks.addCt({ mm: ct_mm, viewpoint, pixel });
       this.changed();
     } catch (error) {
@@ -80,7 +80,7 @@ export class LandmarkPanel {
 
   private async tapLive(pixel: Point): Promise<void> {
     try {
-      const { depth_mm } = await api.pickOnLive(pixel.x, pixel.y);
+      const { depth_mm } = await api.pickOnLive(pixel);
       this.landmarks.addLive({ mm: depth_mm, pixel });
       this.changed();
     } catch (error) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
 import { describe, expect, it } from 'vitest';
-import { containedBox, fromPicture, toPicture } from '../../src/geometry';
+import { containedBox, fromPicture, toPicture, toServer } from '../../src/geometry';
 
 const picture = { width: 640, height: 480 };
 
@@ -22,6 +22,11 @@ describe('pictures in boxes', () => {
     expect(toPicture({ x: 160, y: 79 }, box, picture)).toBeUndefined();
     expect(toPicture({ x: 160, y: 321 }, box, picture)).toBeUndefined();
     expect(toPicture({ x: 1, y: 1 }, { width: 0, height: 0 }, picture)).toBeUndefined();
+  });
+
+  it('names pixels as the server does, from the middle of the first one', () => {
+    const middle = toPicture({ x: 0.25, y: 80.25 }, { width: 320, height: 400 }, picture);
+    expect(toServer(middle!)).toEqual({ x: 0, y: 0 });
   });
 
   it('comes back to where it was', () => {
