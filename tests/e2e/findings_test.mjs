@@ -89,13 +89,14 @@ assert.ok(Math.hypot(x - 320, y - 240) < 1, `tapped at 320, 240, marked at ${x},
 await post('/api/view', { hole_radius: 0.03 });
 await page.waitForTimeout(500);
 await mark('Straight', [295, 262], [345, 266]);
-await page.getByRole('button', { name: 'Save', exact: true }).click();
+await page.getByLabel('Note of F2', { exact: true }).fill('gone on from without Save');
 await mark('Over skin', [295, 262], [345, 266]);
 await page.getByRole('button', { name: 'Save', exact: true }).click();
 const [, straight, over] = json('findings', 'findings.json').findings;
 assert.ok(over.length_mm >= straight.length_mm - 0.01 && over.length_mm < 2 * straight.length_mm,
   `${straight.length_mm} straight, ${over.length_mm} over the skin`);
 assert.ok(straight.length_bound_mm > 0);
+assert.equal(straight.note, 'gone on from without Save');
 assert.ok(over.path_ct_mm.length > 2);
 assert.match(await item('F2').locator('.finding-title').textContent(), /^Straight \d+\.\d mm ± \d+\.\d mm$/);
 await shot('findings-landscape');

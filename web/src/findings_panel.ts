@@ -43,6 +43,8 @@ export class FindingsPanel {
   private refreshed_ms = -Infinity;
   private num_shown = PAGE;
   private edited: string | undefined;
+  /** What is written in the edited note and not saved yet. */
+  private unsaved: { id: string; text: string } | undefined;
   private last: FindingList = { findings: [], undoable: null };
 
   constructor(private readonly stage: Stage, private readonly live: LiveVideo,
@@ -120,6 +122,7 @@ export class FindingsPanel {
       this.showMaking();
       if (making.picks.length < (making.kind === 'point' ? 1 : 2)) return;
       this.end();
+      await this.saveNote();
       const finding = await findingsApi.add(making.kind, making.picks, '');
       this.edited = finding.id;
       this.show(await findingsApi.list());
@@ -175,6 +178,7 @@ export class FindingsPanel {
       && this.list.querySelector('textarea') !== null;
     if (isWriting) return;
     this.shown = key;
+    if (!list.findings.some((finding) => finding.id === this.unsaved?.id)) this.unsaved = undefined;
     const newestFirst = [...list.findings].reverse();
     this.list.replaceChildren(...newestFirst.slice(0, this.num_shown).map((f) => this.item(f)));
     this.more.hidden = newestFirst.length <= this.num_shown;
@@ -189,7 +193,7 @@ export class FindingsPanel {
     const item = h('li', { class: 'finding-item', 'data-id': finding.id },
       h('div', { class: 'finding-head' }, badge(finding.id),
         h('span', { class: 'finding-title' }, titleOf(finding)),
-        iconButton(`Edit the note of ${finding.id}`, 'edit', () => this.edit(finding.id)),
+        iconButton(`Edit the note of ${finding.id}`, 'edit', () => void this.edit(finding.id)),
         iconButton(`Delete ${finding.id}`, 'remove',
           () => void this.change(() => findingsApi.remove(finding.id)))));
     item.addEventListener('pointerenter', () => this.marks.choose(finding.id));
@@ -223,27 +227,38 @@ export class FindingsPanel {
     return image;
   }
 
-  private edit(id: string): void {
+  /** Opens the note of a finding; the one that is open is saved and closed. */
+  private async edit(id: string): Promise<void> {
+    if (this.busy) return;
+    // What has the focus counts as being written, and would stay.
+    if (document.activeElement instanceof HTMLElement) document.activeElement.blur();
+    if (!(await this.saveNote())) {
+      this.list.querySelector('textarea')?.focus();
+      return;
+    }
     this.edited = this.edited === id ? undefined : id;
     this.shown = '';
     this.show(this.last);
     this.list.querySelector('textarea')?.focus();
   }
 
+  /** Nothing written is lost, even if something else is gone on with. @return False: it was refused. */
+  private async saveNote(): Promise<boolean> {
+    const note = this.unsaved;
+    if (!note) return true;
+    if (!(await this.change(() => findingsApi.setNote(note.id, note.text)))) return false;
+    if (this.unsaved === note) this.unsaved = undefined;
+    return true;
+  }
+
   private editor(finding: Finding): HTMLElement {
     const field = h('textarea', { rows: 3, maxlength: MAX_NOTE, 'aria-label': `Note of ${finding.id}`,
       placeholder: 'What is it? Optional.' });
-    field.value = finding.note;
-    const save = async (): Promise<void> => {
-      const text = field.value;
-      field.blur();
-      this.edited = undefined;
-      const done = await this.change(() => findingsApi.setNote(finding.id, text));
-      if (done) return;
-      this.edited = finding.id;
-      field.focus();
-    };
+    field.value = this.unsaved?.id === finding.id ? this.unsaved.text : finding.note;
+    field.addEventListener('input', () => {
+      this.unsaved = { id: finding.id, text: field.value };
+    });
     return h('div', { class: 'finding-editor' }, field,
-      button('Save', 'accept', () => void save(), 'primary'));
+      button('Save', 'accept', () => void this.edit(finding.id), 'primary'));
   }
 }
