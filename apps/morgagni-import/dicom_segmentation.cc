@@ -96,7 +96,7 @@ Result<void> take_pixels(Segmentation& seg) {
 Result<void> take_frames(Segmentation& seg) {
   const auto places = slices_of(seg.file, 0, seg.name);
   const auto* groups = seg.file.data.find(Tag::kFrameGroups);
-  if (groups == nullptr || groups->items.size() != places.size())
+  if (groups == nullptr || groups->items.size() != places.size() || places.empty())
     return refuse(ErrorCode::kUnsupported, seg, "does not say of each frame where it lies");
   for (std::size_t i = 0; i < places.size(); ++i) {
     const auto& place = places[i];

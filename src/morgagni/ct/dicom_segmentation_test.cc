@@ -162,6 +162,7 @@ TEST_F(DicomSegmentation, TakesFromHalfAFractionOn) {
 TEST_F(DicomSegmentation, SaysWhatIsWrong) {
   EXPECT_THAT(refusal({.frames = {{0.0, 1, only(0, 0)}}, .num_missing_bytes = 2}),
               HasSubstr("cut short"));
+  EXPECT_THAT(refusal({.frames = {}}), HasSubstr("does not say of each frame where it lies"));
   EXPECT_THAT(refusal({.type = "LABELMAP", .frames = {{0.0, 1, only(0, 0)}}}),
               HasSubstr("of type \"LABELMAP\" with 8 bits a pixel"));
   EXPECT_THAT(refusal({.frames = {{0.0, 0, only(0, 0)}}}), HasSubstr("names segment 0 in frame 1"));
