@@ -10,6 +10,8 @@
 #include <tuple>
 #include <utility>
 
+#include "morgagni/core/printable_text.h"
+
 #include "messages.h"
 #include "slice_reader.h"
 
@@ -214,7 +216,8 @@ Result<DicomSeries> choose_series(std::vector<DicomSeries> all,
   }
   std::vector<std::size_t> named;
   for (std::size_t i = 0; i < all.size(); ++i)
-    if (wanted == all[i].front().series_description) named.push_back(i);
+    if (printable_text(wanted) == printable_text(all[i].front().series_description))
+      named.push_back(i);
   if (named.size() == 1) return std::move(all[named.front()]);
   return make_error(ErrorCode::kInvalidArgument,
                     where + " holds " + (named.empty() ? "no" : "more than one") + " series \"" +

@@ -296,6 +296,17 @@ TEST_F(DicomImport, ListsSeriesAndReadsTheChosenOne) {
   EXPECT_THAT(error_of(folder_, "3"), HasSubstr("holds no series \"3\", but 1: \"soft\""));
 }
 
+TEST_F(DicomImport, ChoosesASeriesByTheNameThatIsShown) {
+  write_series({.series_uid = "1.2.3",
+                .series_description = "Sch\xe4"
+                                      "del"},
+               kFive,
+               slanted_hu,
+               "a/");
+  write_series({.series_uid = "1.2.4", .series_description = "other"}, kFive, slanted_hu, "b/");
+  EXPECT_TRUE(read("Schädel"));
+}
+
 TEST_F(DicomImport, TakesAcquisitionsOfOneSeriesApart) {
   const Body later = [](const Eigen::Vector3d& place) { return slanted_hu(place) + 9.0; };
   write_series({.acquisition_number = 1}, kFive, slanted_hu, "a/");
