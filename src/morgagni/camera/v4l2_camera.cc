@@ -323,7 +323,12 @@ std::vector<DepthVideoDevice> list_depth_video_devices(const std::filesystem::pa
   }
   std::ranges::sort(paths);
   std::vector<DepthVideoDevice> found;
-  std::vector<std::pair<std::string, std::string>> colors;  // Path and card.
+  struct Color {
+    int number;
+    std::string path;
+    std::string card;
+  };
+  std::vector<Color> colors;
   for (const auto& [number, path] : paths) {
     const auto device = internal::look_at_video_device(*system, path);
     if (!device && device.error().code == ErrorCode::kDevice) {
@@ -337,15 +342,16 @@ std::vector<DepthVideoDevice> list_depth_video_devices(const std::filesystem::pa
           {path, device->card, "v4l2:" + path, "", device_id_of(sysfs, path, device->bus)});
     } else if (device &&
                (has_format(*device, internal::kYuyv) || has_format(*device, internal::kMjpg))) {
-      colors.emplace_back(path, device->card);
+      colors.push_back({number, path, device->card});
     }
   }
   // The colour of a camera is another device of the same card, with a higher number.
   for (auto& depth : found) {
     const auto color = std::ranges::find_if(colors, [&](const auto& each) {
-      return !depth.card.empty() && each.second == depth.card && each.first > depth.path;
+      return !depth.card.empty() && each.card == depth.card &&
+             each.number > video_number(std::filesystem::path(depth.path).filename());
     });
-    if (color != colors.end()) depth.camera += ",color=" + color->first;
+    if (color != colors.end()) depth.camera += ",color=" + color->path;
   }
   return found;
 }

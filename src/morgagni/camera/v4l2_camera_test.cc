@@ -415,6 +415,13 @@ TEST_F(V4l2Test, AreListedWithTheirColourOrWithAdvice) {
   EXPECT_EQ(found[0].card, "Pretended Depth Camera");
   EXPECT_EQ(found[0].device_id, "v4l2-usb-0000-00-14.0-2");
   EXPECT_THAT(found[1].advice, HasSubstr("video $USER"));
+  std::map<std::string, FakeDevice> late;
+  late[folder / "video4"] = depth_device();
+  late[folder / "video10"] = color_device(internal::kYuyv);
+  EXPECT_EQ(list_depth_video_devices(folder, folder, std::make_shared<FakeKernel>(std::move(late)))
+                .at(0)
+                .camera,
+            "v4l2:" + (folder / "video4").string() + ",color=" + (folder / "video10").string());
   EXPECT_THAT(list_depth_video_devices("/nowhere"), IsEmpty());
   std::filesystem::remove_all(folder);
 }
