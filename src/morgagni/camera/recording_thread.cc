@@ -73,6 +73,7 @@ void RecordingThread::write() {
   lock.unlock();
   const auto finished = recorder_.finish();
   lock.lock();
+  progress_.num_frames = recorder_.num_frames();
   progress_.num_bytes = recorder_.num_bytes();
   if (!finished && !progress_.error) progress_.error = finished.error();
 }

@@ -62,6 +62,15 @@ TEST_F(RecordingThreadTest, WhoWaitsForRoomIsLetGoByAnError) {
   EXPECT_EQ(progress.num_frames, 0U);
 }
 
+TEST_F(RecordingThreadTest, FramesThatTheEndCannotWriteAreNotCounted) {
+  RecordingThread thread(
+      McapRecorder::create(path_, {.min_free_bytes = std::uint64_t{1} << 60U}).value());
+  for (std::uint64_t i = 0; i < 3; ++i) thread.put(frame(i));
+  const auto progress = thread.finish();
+  ASSERT_TRUE(progress.error);
+  EXPECT_EQ(progress.num_frames, 0U);
+}
+
 TEST_F(RecordingThreadTest, AnErrorEndsItAndIsKept) {
   RecordingThread thread(McapRecorder::create(path_, {}).value());
   for (std::uint64_t i = 0; i < 3; ++i) thread.put(frame(i));
