@@ -125,6 +125,7 @@ class SelfCalibrator {
     std::shared_ptr<const RgbdCalibration> calibration;
     std::shared_ptr<const FixedSurface> skin;
     AppliedCorrection by;
+    double bias_before_mm = 0.0;  ///< What was known to be off without it.
   };
 
   void run(std::stop_token stop);
