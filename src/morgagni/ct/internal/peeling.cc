@@ -11,6 +11,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "morgagni/ct/internal/cloth.h"
 #include "morgagni/ct/internal/components.h"
 #include "morgagni/ct/internal/skin_profiles.h"
 #include "morgagni/ct/internal/thin_layers.h"
@@ -227,6 +228,8 @@ Peeled peel(Volume& volume,
   const Eigen::Isometry3d grid_from_ct = volume.ct_from_grid.inverse();
   for (const auto& place_mm : take_off_mm)
     asked_mm.emplace_back((grid_from_ct * place_mm).cast<float>());
+  peeled.taken = take_cloth_off(volume, settled);
+  peeled.found_any = peeled.taken.count() > 0;
   for (int layer = 0; layer < kMostLayers; ++layer) {
     const auto done = [&](double share) { report((layer + share) / kMostLayers); };
     SkinProfiles profiles(volume, solid_of(volume));

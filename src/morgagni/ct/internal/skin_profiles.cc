@@ -84,14 +84,15 @@ class Facing {
 /// How far inwards of a surface voxel the edge is crossed.
 std::optional<double> crossing_mm(const Volume& volume,
                                   const Eigen::Vector3d& place_mm,
-                                  const Eigen::Vector3d& inwards) {
+                                  const Eigen::Vector3d& inwards,
+                                  double edge_hu) {
   constexpr double kSeekMm = 0.25;
   constexpr double kReachMm = 2.0;
   double before_hu = hu_at(volume, place_mm - kReachMm * inwards);
   for (double mm = kSeekMm - kReachMm; mm < kReachMm; mm += kSeekMm) {
     const double hu = hu_at(volume, place_mm + mm * inwards);
-    if (before_hu < SkinProfile::kEdgeHu && hu >= SkinProfile::kEdgeHu)
-      return mm - kSeekMm * (hu - SkinProfile::kEdgeHu) / (hu - before_hu);
+    if (before_hu < edge_hu && hu >= edge_hu)
+      return mm - kSeekMm * (hu - edge_hu) / (hu - before_hu);
     before_hu = hu;
   }
   return std::nullopt;
@@ -100,7 +101,8 @@ std::optional<double> crossing_mm(const Volume& volume,
 SkinProfile profile_of(const std::vector<std::array<int, 3>>& voxels,
                        const Volume& volume,
                        const BitMask& solid,
-                       const Facing& facing) {
+                       const Facing& facing,
+                       double edge_hu) {
   const auto place_of = [&](const std::array<int, 3>& voxel) -> Eigen::Vector3d {
     return Eigen::Vector3d(voxel[0], voxel[1], voxel[2]).cwiseProduct(volume.spacing_mm);
   };
@@ -116,7 +118,7 @@ SkinProfile profile_of(const std::vector<std::array<int, 3>>& voxels,
   int num = 0;
   for (std::size_t i = 0; i < voxels.size(); i += stride) {
     const Eigen::Vector3d place = place_of(voxels[i]);
-    const auto zero_mm = crossing_mm(volume, place, *inwards);
+    const auto zero_mm = crossing_mm(volume, place, *inwards, edge_hu);
     if (!zero_mm) continue;
     ++num;
     for (int k = 0; k < SkinProfile::kNum; ++k) {
@@ -136,12 +138,12 @@ SkinProfile profile_of(const std::vector<std::array<int, 3>>& voxels,
 
 }  // namespace
 
-SkinProfiles::SkinProfiles(const Volume& volume, const BitMask& solid) {
+SkinProfiles::SkinProfiles(const Volume& volume, const BitMask& solid, double edge_hu) {
   const auto cells = sorted_surface(volume, solid);
   profiles_.resize(cells.size());
   const Facing facing(volume);
   tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
-    profiles_[i] = profile_of(cells[i], volume, solid, facing);
+    profiles_[i] = profile_of(cells[i], volume, solid, facing, edge_hu);
     if (profiles_[i].area_mm2 <= 0.0F) at_[place_of(cells_[i])] = -1;
   });
   smooth();

@@ -35,7 +35,8 @@ struct SkinProfile {
 /// @cost About 0.1 s of CPU for a head.
 class SkinProfiles {
  public:
-  SkinProfiles(const Volume& volume, const BitMask& solid);
+  /// @param edge_hu  Where the air ends: SkinProfile::kZero of each.
+  SkinProfiles(const Volume& volume, const BitMask& solid, double edge_hu = SkinProfile::kEdgeHu);
 
   [[nodiscard]] const std::vector<SkinProfile>& all() const { return profiles_; }
   /// Those of the cells around one.

@@ -39,6 +39,8 @@ constexpr double kCellMm = 5.0;
 /// What a cover's HU is, from place to place.
 class CoverHu {
  public:
+  explicit CoverHu(double hu) : everywhere_hu_(hu) {}
+
   CoverHu(const Volume& volume, const BitMask& cover) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double spacing_mm = volume.spacing_mm[static_cast<Eigen::Index>(axis)];
@@ -58,6 +60,7 @@ class CoverHu {
   }
 
   [[nodiscard]] std::optional<double> at(int x, int y, int z) const {
+    if (everywhere_hu_) return everywhere_hu_;
     const std::array<int, 3> middle = {x / voxels_[0], y / voxels_[1], z / voxels_[2]};
     Cell sum;
     for (int dz = -1; dz <= 1; ++dz) {
@@ -105,6 +108,7 @@ class CoverHu {
            static_cast<std::size_t>(x);
   }
 
+  std::optional<double> everywhere_hu_;
   std::array<int, 3> voxels_{};
   std::array<int, 3> size_{};
   std::vector<Cell> cells_;
@@ -121,10 +125,10 @@ void visit_all(const BitMask& mask, const Visit& visit) {
 
 class Uncovering {
  public:
-  Uncovering(const Volume& volume, const BitMask& cover)
+  Uncovering(const Volume& volume, const BitMask& cover, std::optional<double> cover_hu)
       : volume_(volume),
         cover_(cover),
-        cover_hu_(volume, cover),
+        cover_hu_(cover_hu ? CoverHu(*cover_hu) : CoverHu(volume, cover)),
         smooth_(std::make_unique_for_overwrite<std::int16_t[]>(volume.num_voxels())) {
     for (int axis = 0; axis < 3; ++axis)
       reach_[static_cast<std::size_t>(axis)] =
@@ -241,8 +245,8 @@ class Uncovering {
 
 }  // namespace
 
-Volume uncovered(const Volume& volume, const BitMask& cover) {
-  return Uncovering(volume, cover).run();
+Volume uncovered(const Volume& volume, const BitMask& cover, std::optional<double> cover_hu) {
+  return Uncovering(volume, cover, cover_hu).run();
 }
 
 BareCt bare_ct(const Volume& volume,

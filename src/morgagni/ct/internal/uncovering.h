@@ -20,7 +20,10 @@ namespace mor::internal {
 /// (the densest beside it) to the cover's (its mean around there).
 ///
 /// @param cover  Within a voxel or so.
-[[nodiscard]] Volume uncovered(const Volume& volume, const BitMask& cover);
+/// @param cover_hu  Of all the cover, where it is known; or its mean around a place is taken.
+[[nodiscard]] Volume uncovered(const Volume& volume,
+                               const BitMask& cover,
+                               std::optional<double> cover_hu = std::nullopt);
 
 /// A CT without what lies on the body, and what is not known for certain because of it. The masks
 /// reach 2.2 mm beyond what they are of; they have no voxels where the CT shows no body.
