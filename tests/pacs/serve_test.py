@@ -106,13 +106,18 @@ class Serve(unittest.TestCase):
         with open(os.path.join(self.cases, names[0], "case.json")) as file:
             return json.load(file)
 
-    def test_a_study_becomes_a_case_and_late_slices_join_it(self):
-        server = self.serve()
-        late = os.path.join(self.scratch, "late")
-        early = shutil.copytree(self.study, os.path.join(self.scratch, "early"))
+    def early_and_late(self):
+        """@return Two folders: the study but for a slice, and that slice."""
+        late = self.cases + "_late"
+        early = shutil.copytree(self.study, self.cases + "_early")
         os.makedirs(late)
         for name in sorted(os.listdir(early + "/body"))[:1]:
             shutil.move(os.path.join(early, "body", name), late)
+        return early, late
+
+    def test_a_study_becomes_a_case_and_late_slices_join_it(self):
+        server = self.serve()
+        early, late = self.early_and_late()
         self.assertEqual(send(server.port, early).returncode, 0)
         server.wait_for("skin of 20000 vertices")
         server.wait_for("left out, no CT: series 9")
@@ -139,6 +144,35 @@ class Serve(unittest.TestCase):
             time.sleep(0.05)
         self.assertEqual(self.received(self.body), [])
         self.assertEqual(server.stop(), 0)
+
+    def test_late_slices_do_not_replace_a_case_whose_slices_are_forgotten(self):
+        server = self.serve("--forget")
+        early, late = self.early_and_late()
+        self.assertEqual(send(server.port, early).returncode, 0)
+        server.wait_for("skin of 20000 vertices")
+        first = self.check_case()
+        self.assertEqual(send(server.port, late).returncode, 0)
+        server.wait_for("the case stays as it is")
+        self.assertEqual(self.check_case(), first)
+        self.assertEqual(len(self.received(self.body)), 1)
+        self.assertEqual(server.stop(), 0)
+
+    def test_a_case_that_could_not_be_made_is_tried_again_by_the_next_run(self):
+        short = Series(3, num_slices=1)
+        for times in range(2):
+            server = self.serve()
+            if times == 0:
+                self.assertEqual(send(server.port, short.write(self.cases + "_short")).returncode, 0)
+            server.wait_for("no case")
+            self.assertEqual(server.stop(), 0)
+
+    def test_no_certificate_no_tls(self):
+        ca = make_certificate(self.scratch, "half")
+        for given in (["--ca", ca[1]], ["--key", ca[0]], ["--certificate", ca[1]]):
+            done = subprocess.run([MORGAGNI, "pacs", "serve", "--cases", self.cases, "--port", "0", *given],
+                                  capture_output=True, text=True, timeout=30)
+            self.assertEqual(done.returncode, 1, given)
+            self.assertIn("TLS needs --certificate and --key", done.stderr)
 
     def test_ends_at_once_while_it_makes_a_case_and_makes_it_later(self):
         server = self.serve()

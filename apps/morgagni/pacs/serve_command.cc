@@ -142,7 +142,8 @@ void serve(Arguments& arguments) {
   auto& options = arguments.receiver;
   options.idle_timeout = std::chrono::seconds(arguments.idle_timeout_s);
   options.folder = arguments.cases / "received";
-  options.use_tls = !options.tls.certificate.empty();
+  const auto& [ca, certificate, key] = options.tls;
+  options.use_tls = !ca.empty() || !certificate.empty() || !key.empty();
   StopSignals signals;
   CaseMaker maker(arguments);
   const auto receiver = value_or_exit(StorageReceiver::start(

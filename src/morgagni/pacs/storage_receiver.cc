@@ -272,7 +272,7 @@ Result<void> ReceiverOptions::check() const {
     return make_error(ErrorCode::kInvalidArgument,
                       fmt::format("--max-associations must be 1 to 64, got {}", max_associations));
   }
-  if (use_tls && tls.certificate.empty()) {
+  if (use_tls && (tls.certificate.empty() || tls.key.empty())) {
     return make_error(ErrorCode::kInvalidArgument,
                       "TLS needs --certificate and --key: who receives shows a certificate");
   }
