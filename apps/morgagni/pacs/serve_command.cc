@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/casefile/case.h"
 #include "morgagni/casefile/prepare.h"
 #include "morgagni/core/log.h"
 #include "morgagni/pacs/received_journal.h"
@@ -65,10 +66,10 @@ class CaseMaker {
       lock.unlock();
       for (const auto& series : quiet) {
         if (stop.stop_requested()) return;
-        make_case(series, signals);
+        const bool done = make_case(series, signals);
         lock.lock();
-        // Unless more of it came meanwhile.
-        if (!gatherer_.has(series.last.study_uid, series.last.series_uid))
+        // Unless more of it came meanwhile, or the next run has to try again.
+        if (done && !gatherer_.has(series.last.study_uid, series.last.series_uid))
           journal_.remove(series.last.series_uid);
         lock.unlock();
       }
@@ -77,7 +78,8 @@ class CaseMaker {
   }
 
  private:
-  void make_case(const GatheredSeries& series, StopSignals& signals) const {
+  /// @return Whether nothing is left to do for it.
+  bool make_case(const GatheredSeries& series, StopSignals& signals) const {
     const auto& words = series.last;
     const auto name = fmt::format("series {} of patient {} (\"{}\", {})",
                                   terminal_text(words.series_number),
@@ -89,9 +91,20 @@ class CaseMaker {
                 name,
                 series.num_objects,
                 terminal_text(words.modality));
-      return;
+      return true;
     }
     const auto folder = arguments_.cases / series.case_name();
+    std::error_code status;
+    if (arguments_.forget && fs::exists(folder / kCaseFile, status)) {
+      log::error(
+          "{}: came after its case {} was made and, by --forget, the first objects deleted: "
+          "the case stays as it is, and these {} objects in {}",
+          name,
+          folder.string(),
+          series.num_objects,
+          series.folder.string());
+      return false;
+    }
     log::info("{} has been quiet for {} s: {} new objects, preparing",
               name,
               arguments_.quiet_s,
@@ -106,7 +119,7 @@ class CaseMaker {
                  name,
                  summary.error().message,
                  series.folder.string());
-      return;
+      return false;
     }
     log::info("{}: case {}: skin of {} vertices, in {:.1f} s",
               name,
@@ -114,6 +127,7 @@ class CaseMaker {
               summary->num_skin_vertices,
               summary->reading_seconds + summary->seconds);
     if (arguments_.forget) forget(series.folder, files);
+    return true;
   }
 
   static std::vector<fs::path> files_in(const fs::path& folder) {
