@@ -421,6 +421,39 @@ class HostileWebServer(PacsCase):
         self.assertEqual(code, 0, error)
         self.assertEqual(os.listdir(self.out + "/1.2.4"), ["1.2.5.dcm"])
 
+    def test_a_list_that_comes_in_pages_without_a_count(self):
+        uids = [f"1.2.5.{number}" for number in range(1, 6)]
+
+        def objects(handler):
+            wanted = [uid for uid in uids if handler.path.endswith("/" + uid)] or uids
+            body = b"".join(b"--XX\r\n\r\n" + part10(b"", CT_IMAGE, uid) + b"\r\n" for uid in wanted) + b"--XX--"
+            reply(handler, 200, 'multipart/related; type="application/dicom"; boundary=XX', body)
+
+        catalogue = self.catalogue(objects)
+
+        def answer(handler):
+            path, _, query = handler.path.partition("?")
+            if not path.endswith("/instances"):
+                return catalogue(handler)
+            start = int(query.split("offset=")[1])
+            page = [{"00080018": {"vr": "UI", "Value": [uid]}} for uid in uids[start:start + 2]]
+            return reply(handler, 200, "application/dicom+json", json.dumps(page).encode())
+
+        code, _, error = self.ask(answer)
+        self.assertEqual(code, 0, error)
+        self.assertEqual(sorted(os.listdir(self.out + "/1.2.4")), [uid + ".dcm" for uid in uids])
+
+    def test_says_that_the_servers_list_goes_on_where_little_of_it_fits(self):
+        names = ["Doe^Jane"] + ["Do^Other"] * 200
+        found = [{"0020000D": {"vr": "UI", "Value": [f"1.2.{number}"]}, "00100010": {"vr": "PN", "Value": [name]}}
+                 for number, name in enumerate(names)]
+        server = HostileWeb(lambda h: reply(h, 200, "application/dicom+json", json.dumps(
+            found if h.path.split("?")[0].endswith("/studies") else []).encode()))
+        code, out, error = run("query", f"http://127.0.0.1:{server.port}/x", "--patient-name", "Doe^Jane")
+        server.stop()
+        self.assertEqual(code, 0, error)
+        self.assertIn("and more than these 1:", out)
+
     def test_names_do_not_reach_the_terminal_as_commands(self):
         server = HostileWeb(self.objects(b""))
         code, out, error = run("query", f"http://127.0.0.1:{server.port}/x")

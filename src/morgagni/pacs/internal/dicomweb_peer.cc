@@ -73,12 +73,11 @@ class DicomwebPeer : public PacsPeer {
       path += std::string("&includefield=") + name;
     MOR_TRY(const auto found, query(path, stop));
     PacsStudies result;
+    // The server ends its list there, whether or not all of it fits.
+    result.has_more = found.size() > kMaxStudies;
     for (const auto& values : found) {
       const auto study = study_of(values);
-      if (result.studies.size() == kMaxStudies) {
-        result.has_more = true;
-        break;
-      }
+      if (result.studies.size() == kMaxStudies) break;
       if (is_dicom_uid(study.uid) && fits(filter, study)) result.studies.push_back(study);
     }
     return result;
@@ -115,7 +114,9 @@ class DicomwebPeer : public PacsPeer {
         const auto uid = value_of(values, tag::kSopInstanceUid);
         if (is_dicom_uid(uid) && all.size() < kMaxInstances) all.insert(uid);
       }
-      const bool may_be_more = static_cast<int>(all.size()) < series.num_instances;
+      // Not every server says how many there are.
+      const bool may_be_more =
+          series.num_instances == 0 || static_cast<int>(all.size()) < series.num_instances;
       if (all.size() == before || !may_be_more) break;
     }
     return std::vector<std::string>(all.begin(), all.end());
