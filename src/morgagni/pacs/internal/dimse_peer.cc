@@ -168,6 +168,7 @@ class DimsePeer : public PacsPeer {
                             std::stop_token stop) {
     job["folder"] = folder.string();
     std::set<std::string> missing(wanted.begin(), wanted.end());
+    auto kept = file_names(folder);  // Of an earlier try, or another part of the list.
     std::error_code status;
     const DimseEvents events{
         .stored =
@@ -175,11 +176,12 @@ class DimsePeer : public PacsPeer {
               const auto uid = value_of(tags, tag::kSopInstanceUid);
               if (!is_dicom_uid(uid)) return;
               const auto file = folder / (uid + ".dcm");
-              if (missing.erase(uid) == 0) {
+              if (missing.erase(uid) != 0) {
+                kept.insert(file.filename());
+                if (on_object) on_object(file, fs::file_size(file, status));
+              } else if (!kept.contains(file.filename())) {
                 log::warn("{} sends {}, which was not asked for", name_, uid);
                 fs::remove(file, status);
-              } else if (on_object) {
-                on_object(file, fs::file_size(file, status));
               }
             },
         .refused = [&](const std::string& why) { log::warn("{}: {}", name_, why); }};
@@ -187,6 +189,14 @@ class DimsePeer : public PacsPeer {
     remove_parts(folder);
     if (!outcome) return tl::unexpected<Error>(std::move(outcome).error());
     return {};
+  }
+
+  static std::set<fs::path> file_names(const fs::path& folder) {
+    std::set<fs::path> names;
+    std::error_code status;
+    for (const auto& entry : fs::directory_iterator(folder, status))
+      names.insert(entry.path().filename());
+    return names;
   }
 
   /// What a killed child left.
