@@ -105,6 +105,20 @@ fs::path parts_folder(const ReceiverOptions& options) {
   return options.folder / "parts";
 }
 
+nlohmann::json receive_task(const ReceiverOptions& options) {
+  PacsOptions common{.aet = options.aet,
+                     .timeout = options.idle_timeout,
+                     .max_object_bytes = options.max_object_bytes,
+                     .min_free_bytes = options.min_free_bytes};
+  auto task = internal::dimse_task(dimse::kReceive, common);
+  task["called_aet"] = options.aet;
+  task["folder"] = options.folder.string();
+  task["accepted_callers"] = options.accepted_callers;
+  task["any_called_aet"] = options.any_called_aet;
+  if (options.use_tls) task["tls"] = internal::dimse_tls(options.tls);
+  return task;
+}
+
 class ProcessReceiver : public StorageReceiver {
  public:
   ProcessReceiver(ReceiverOptions options,
@@ -118,18 +132,8 @@ class ProcessReceiver : public StorageReceiver {
         program_(std::move(program)),
         lock_(std::move(lock)),
         listener_(std::move(listener)),
-        wake_(std::move(wake)) {
-    PacsOptions common{.aet = options_.aet,
-                       .timeout = options_.idle_timeout,
-                       .max_object_bytes = options_.max_object_bytes,
-                       .min_free_bytes = options_.min_free_bytes};
-    auto task = internal::dimse_task(dimse::kReceive, common);
-    task["called_aet"] = options_.aet;
-    task["folder"] = options_.folder.string();
-    task["accepted_callers"] = options_.accepted_callers;
-    task["any_called_aet"] = options_.any_called_aet;
-    if (options_.use_tls) task["tls"] = internal::dimse_tls(options_.tls);
-    task_ = std::move(task);
+        wake_(std::move(wake)),
+        task_(receive_task(options_)) {
     acceptor_ = std::jthread([this](const std::stop_token& stop) { accept_all(stop); });
   }
 
@@ -253,7 +257,7 @@ class ProcessReceiver : public StorageReceiver {
   FolderLock lock_;
   Listener listener_;
   UniqueFd wake_;
-  nlohmann::json task_;
+  const nlohmann::json task_;
   std::stop_source stop_;
   std::mutex mutex_;
   std::condition_variable ended_;
@@ -282,6 +286,7 @@ Result<void> ReceiverOptions::check() const {
 Result<std::unique_ptr<StorageReceiver>> StorageReceiver::start(const ReceiverOptions& options,
                                                                 OnReceived on_received) {
   MOR_CHECK(options.check());
+  MOR_CHECK(internal::dimse_text(receive_task(options)));
   MOR_TRY(auto program, internal::find_dimse_program());
   MOR_TRY(auto lock,
           FolderLock::make_and_take(

@@ -129,7 +129,8 @@ class DimsePeer : public PacsPeer {
   }
 
   Result<int> run(const nlohmann::json& task, const DimseEvents& events, std::stop_token stop) {
-    return run_dimse_process(program_, {.task = task.dump(), .peer = name_}, events, stop);
+    MOR_TRY(auto text, dimse_text(task));
+    return run_dimse_process(program_, {.task = std::move(text), .peer = name_}, events, stop);
   }
 
   Result<std::vector<TagValues>> find(const char* level,
