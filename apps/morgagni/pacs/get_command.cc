@@ -139,7 +139,7 @@ void get(const Arguments& arguments) {
       [&bar](const DownloadProgress& progress) { bar.show(progress); },
       stop);
   if (!fetched) {
-    const fs::path pending = arguments.out.string() + ".pending";
+    const auto pending = pending_folder(arguments.out);
     std::error_code status;
     const bool has_some = fs::exists(pending, status);
     value_or_exit(Result<void>(

@@ -202,6 +202,10 @@ Result<void> check_pending(const fs::path& pending, const std::vector<PacsSeries
 
 }  // namespace
 
+fs::path pending_folder(const fs::path& folder) {
+  return without_slash(folder).string() + ".pending";
+}
+
 Result<DownloadSummary> download_series(PacsPeer& peer,
                                         const std::vector<PacsSeries>& series,
                                         const fs::path& folder,
@@ -214,7 +218,7 @@ Result<DownloadSummary> download_series(PacsPeer& peer,
     return make_error(ErrorCode::kInvalidArgument,
                       fmt::format("{} is there already: give a new folder", folder.string()));
   }
-  const fs::path pending = target.string() + ".pending";
+  const auto pending = pending_folder(folder);
   MOR_TRY(const auto lock,
           FolderLock::make_and_take(pending,
                                     FolderLock::Kind::kExclusive,

@@ -34,13 +34,17 @@ struct DownloadSummary {
   int num_failures = 0;  ///< Connections that broke and were taken up again.
 };
 
+/// FOLDER.pending, where what is fetched for `folder` is collected; absolute.
+[[nodiscard]] std::filesystem::path pending_folder(const std::filesystem::path& folder);
+
 /// Brings whole series of a PACS into a folder: FOLDER/SERIES_UID/SOP_UID.dcm.
 ///
 /// They are collected in FOLDER.pending, which gets its name when all is there. A broken connection
 /// is taken up again, and so is a run that ended early: what is whole is not fetched again.
 ///
 /// @param folder  Must not exist yet.
-/// @errors kInvalidArgument: `folder` exists, or FOLDER.pending has other series, or another run; the peer's, with what
+/// @errors kInvalidArgument: `folder` exists, or FOLDER.pending has other series, or another run;
+/// the peer's, with what
 ///         is missing: FOLDER.pending stays, for the next run; kCancelled: the same; kIo.
 [[nodiscard]] Result<DownloadSummary> download_series(PacsPeer& peer,
                                                       const std::vector<PacsSeries>& series,

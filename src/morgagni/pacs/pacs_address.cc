@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 
+#include <arpa/inet.h>
 #include <glib.h>
 #include <spdlog/fmt/fmt.h>
 
@@ -70,7 +71,11 @@ Result<void> check_aet(std::string_view aet, std::string_view name) {
 }
 
 bool is_loopback(std::string_view host) {
-  return host == "localhost" || host == "::1" || host.starts_with("127.");
+  constexpr std::uint32_t kLoopbackNet = 127;
+  in_addr address{};
+  const bool is_ip4 = ::inet_pton(AF_INET, std::string(host).c_str(), &address) == 1;
+  return host == "localhost" || host == "::1" ||
+         (is_ip4 && ntohl(address.s_addr) >> 24U == kLoopbackNet);
 }
 
 Result<PacsAddress> parse_pacs_address(std::string_view view) {

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "morgagni/pacs/internal/dicom_json.h"
+#include "morgagni/pacs/internal/dimse_task.h"
 #include "morgagni/pacs/internal/multipart_reader.h"
 #include "morgagni/pacs/internal/part10.h"
 #include "morgagni/pacs/pacs_address.h"
@@ -60,6 +61,21 @@ TEST(PacsAddress, SaysWhatIsWrong) {
     ASSERT_FALSE(address) << text;
     EXPECT_THAT(address.error().message, HasSubstr(why)) << text;
   }
+}
+
+TEST(PacsAddress, TellsThisComputerFromOthers) {
+  for (const char* host : {"localhost", "127.0.0.1", "127.8.0.1", "::1"})
+    EXPECT_TRUE(is_loopback(host)) << host;
+  for (const char* host : {"127.example.com", "127.", "128.0.0.1", "0.0.0.0", ""})
+    EXPECT_FALSE(is_loopback(host)) << host;
+}
+
+TEST(StorageReceiver, RefusesWhatItCannotKeepTo) {
+  ReceiverOptions options{.use_tls = true, .tls = {.ca = "ca.pem", .certificate = "my.pem"}};
+  EXPECT_THAT(options.check().error().message, HasSubstr("needs --certificate and --key"));
+  EXPECT_THAT(internal::dimse_text({{"folder", "f\xe4lle"}}).error().message,
+              HasSubstr("\"fälle\" is not UTF-8"));
+  EXPECT_EQ(internal::dimse_text({{"folder", "fälle"}}).value(), "{\"folder\":\"fälle\"}");
 }
 
 TEST(Uid, IsAHarmlessNameOfAFile) {
