@@ -39,11 +39,13 @@ std::error_code carry_over(const fs::directory_entry& entry, const fs::path& to)
 }  // namespace
 
 bool has_kept_files(const fs::path& case_folder) {
-  return std::any_of(kKeptFolders.begin(), kKeptFolders.end(), [&](const char* name) {
-    std::error_code status;
-    const fs::path folder = case_folder / name;
-    return fs::exists(fs::symlink_status(folder, status)) && !fs::is_empty(folder, status);
-  });
+  const bool has_made =
+      std::any_of(kKeptFolders.begin(), kKeptFolders.end(), [&](const char* name) {
+        std::error_code status;
+        const fs::path folder = case_folder / name;
+        return fs::exists(fs::symlink_status(folder, status)) && !fs::is_empty(folder, status);
+      });
+  return has_made || !added_cts(case_folder).empty();
 }
 
 Result<void> carry_over_kept_folders(const fs::path& from_case, const fs::path& to_case) {

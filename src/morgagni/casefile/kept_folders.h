@@ -13,7 +13,7 @@ namespace mor {
 inline constexpr std::array<const char*, 6> kKeptFolders{
     "findings", "texture", "pictures", "videos", "recordings", "documents"};
 
-/// Whether people made anything in this case.
+/// Whether people made anything in this case, or added a CT to it: on its first CT, of its body.
 [[nodiscard]] bool has_kept_files(const std::filesystem::path& case_folder);
 
 /// Puts the kept folders of one case, and the CTs that were added to it, into another, file by

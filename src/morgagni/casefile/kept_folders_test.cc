@@ -133,6 +133,11 @@ TEST_F(KeptFolders, AreNotTakenOverByAnotherCt) {
   EXPECT_THAT(refused.error().message, HasSubstr("name another folder"));
   expect_all_kept("after the refusal");
   for (const char* const name : kKeptFolders) fs::remove_all(case_ / name);
+  fs::create_directories(case_ / "cts" / "before");
+  ASSERT_TRUE(write_file(case_ / "cts" / "before" / kCaseFile, std::string("{}")));
+  ASSERT_FALSE(prepare_case(other, case_, options(500), kQuiet))
+      << "a CT was added to the first one";
+  fs::remove_all(case_ / "cts");
   EXPECT_TRUE(prepare_case(other, case_, options(500), kQuiet))
       << "nothing there that could be lost";
 }

@@ -144,9 +144,10 @@ Result<void> check_kept(const fs::path& folder, const Json& ct) {
     return {};
   return make_error(
       ErrorCode::kInvalidArgument,
-      fmt::format("{} holds what was made on another CT ({}): name another folder for this one",
+      fmt::format("{} holds what was made on another CT ({}, {}): name another folder for this one",
                   folder.string(),
-                  fmt::join(kKeptFolders, ", ")));
+                  fmt::join(kKeptFolders, ", "),
+                  kAddedCtsFolder));
 }
 
 /// Nobody writes into the case, or a CT that was added to it, while it is exchanged; and the case
