@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 //
 // The video as a player of somebody else's sees it: ffprobe and ffmpeg.
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -89,9 +90,10 @@ class Show {
     server_ = LiveServer::start({.port = 0, .web_root = folder() / "page"}, {}).value();
     thread_ = std::jthread([this](std::stop_token stop) {
       TestPattern pattern(kWidth, kHeight);
+      TestPattern small(kWidth, kHeight / 2);
       auto next = std::chrono::steady_clock::now();
       for (std::uint32_t number = 1; !stop.stop_requested(); ++number) {
-        server_->show(pattern.draw(number),
+        server_->show((is_small ? small : pattern).draw(number),
                       {std::chrono::steady_clock::now(), Json{{"number", number}}.dump()});
         std::this_thread::sleep_until(next += milliseconds(33));
       }
@@ -99,6 +101,7 @@ class Show {
   }
 
   LiveServer& server() { return *server_; }
+  std::atomic<bool> is_small = false;  ///< What is shown from now on.
 
   /// Waits until so many pictures are in the video, or it has ended by itself.
   VideoStatus wait_for(std::uint64_t num_pictures) {
@@ -243,6 +246,20 @@ TEST_F(VideoRecorderTest, AFileThatCannotGrowEndsTheVideoAndNotTheStream) {
   waitpid(child, &status, 0);
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
   EXPECT_GT(numbers_in(files().video).size(), 3U) << "what was written plays";
+}
+
+TEST_F(VideoRecorderTest, APictureOfAnotherSizeEndsTheVideoAndLosesNothing) {
+  Show show;
+  ASSERT_TRUE(show.server().start_video(files()));
+  show.wait_for(15);
+  show.is_small = true;
+  EXPECT_THAT(show.wait_for(100000).problem, HasSubstr("size has changed"));
+  const VideoStatus status = show.server().stop_video();
+  EXPECT_EQ(numbers_in(files().video).size(), status.num_pictures);
+  EXPECT_EQ(lines_of(files().pictures).size(), status.num_pictures);
+  EXPECT_NEAR(
+      std::stod(probe(files().video)["format"]["duration"].get<std::string>()), status.seconds, 0.1)
+      << "it was ended properly";
 }
 
 TEST_F(VideoRecorderTest, RefusesToRepairWhatIsNoVideo) {

@@ -226,14 +226,14 @@ bool VideoRecorder::has_failed() {
     fail(sentence_of(message));
     gst_message_unref(message);
   }
-  return !status().problem.empty();
+  return is_broken_;
 }
 
 void VideoRecorder::close_video() {
   if (!pipeline_) return;
   const GstHandle<GstBus> bus(gst_element_get_bus(pipeline_.get()));
   gst_app_src_end_of_stream(GST_APP_SRC(source_.get()));
-  if (status().problem.empty()) {
+  if (!is_broken_) {
     GstMessage* const message = gst_bus_timed_pop_filtered(
         bus.get(), kEndLimit, GstMessageType(GST_MESSAGE_EOS | GST_MESSAGE_ERROR));
     if (message == nullptr) {
@@ -249,6 +249,7 @@ void VideoRecorder::close_video() {
 
 void VideoRecorder::fail(std::string sentence) {
   log::warn("{}", sentence);
+  is_broken_ = true;
   const std::lock_guard lock(mutex_);
   status_.is_running = false;
   if (status_.problem.empty()) status_.problem = std::move(sentence);

@@ -69,6 +69,7 @@ class VideoRecorder {
   // Of the writing thread.
   GstHandle<GstElement> pipeline_;
   GstHandle<GstElement> source_;
+  bool is_broken_ = false;  ///< Nothing more can be written; a video may end otherwise too.
 
   std::jthread thread_;
 };
