@@ -46,13 +46,24 @@ struct Arguments {
   PrepareOptions options;
 };
 
+/// The same letter (from the 27th on, number) for the same frame of reference; "-": not known.
+class FrameLetters {
+ public:
+  std::string of(const std::string& uid) {
+    if (uid.empty()) return "-";
+    const auto idx = letters_.try_emplace(uid, letters_.size()).first->second;
+    return idx < 26 ? std::string(1, static_cast<char>('A' + idx)) : std::to_string(idx + 1);
+  }
+
+ private:
+  std::map<std::string, std::size_t> letters_;
+};
+
 void list_series(const std::filesystem::path& ct) {
   const auto all = value_or_exit(list_ct_series(ct, {}));
-  std::vector<std::string> frames;
+  FrameLetters letters;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const auto& series = all[i];
-    auto frame = std::find(frames.begin(), frames.end(), series.frame_of_reference_uid);
-    if (frame == frames.end()) frame = frames.insert(frame, series.frame_of_reference_uid);
     fmt::print(
         "{}  \"{}\"  {} slices of {}x{}, {:.2f} to {:.2f} mm apart, {}, coordinates {}, patient "
         "{}, "
@@ -65,7 +76,7 @@ void list_series(const std::filesystem::path& ct) {
         series.min_gap_mm,
         series.max_gap_mm,
         series.patient_position.empty() ? "no position" : series.patient_position,
-        static_cast<char>('A' + std::min<std::ptrdiff_t>(frame - frames.begin(), 25)),
+        letters.of(series.frame_of_reference_uid),
         series.patient_id,
         series.uid);
   }
