@@ -49,6 +49,9 @@ expect 2 "--out" pacs get https://pacs.example/dicom-web
 expect 2 "--by" pacs get dicom://A@b --out "$scratch/ct" --by post
 expect 2 "--tries" pacs get dicom://A@b --out "$scratch/ct" --tries 0
 expect 2 "--max-object-mb" pacs get dicom://A@b --out "$scratch/ct" --max-object-mb 0
+expect 2 "--user excludes --token-file" pacs query https://pacs.example/x --user anna --token-file t
+expect 1 "\"Müller\" is not UTF-8" pacs query dicom://A@127.0.0.1:1 --patient-name $'M\xfcller'
+expect 1 "is not UTF-8" pacs serve --cases "$scratch"/$'f\xe4lle'
 expect 1 "not a way to a PACS" pacs query ftp://pacs.example
 expect 1 "AE title of the PACS is missing" pacs query dicom://pacs.example:104
 expect 1 "1 to 16" pacs query dicom://A@pacs.example --aet "MORGAGNI AT THE INSTITUTE"
@@ -74,6 +77,9 @@ expect 1 "is unknown" calibrate check --camera nothing:
 expect 2 "subcommand is required"
 expect 2 "subcommand is required" evaluate
 expect 2 "--case" prepare ct.nii
+for option in --align-series --structure-frame=ras --total-segmentator --port=0 --web=web; do
+  expect 2 "${option%=*} requires" prepare ct.nii --case "$scratch/case" "$option"
+done
 expect 2 "--nonsense" serve --case "$scratch" --nonsense
 expect 2 "--frames" record --case "$scratch" --out "$scratch/r" --frames 0
 

@@ -236,55 +236,65 @@ void add_prepare_command(CLI::App& app) {
                           "Of several DICOM series: number in the list, UID or description");
   series->excludes(
       command->add_flag("--list-series", arguments->list_series, "List the DICOM series and stop"));
+  auto* join =
+      command
+          ->add_option(
+              "--join",
+              arguments->options.ct.join,
+              "With --series: a further series of the same body that overlaps it, joined with it "
+              "by their coordinates; may be given several times")
+          ->expected(1)
+          ->take_all()
+          ->needs(series);
   command
-      ->add_option(
-          "--join",
-          arguments->options.ct.join,
-          "With --series: a further series of the same body that overlaps it, joined with it "
-          "by their coordinates; may be given several times")
-      ->expected(1)
-      ->take_all()
-      ->needs(series);
-  command->add_flag(
-      "--align-series",
-      arguments->options.ct.align,
-      "Join series by what both show (shifted table, feet first, turned over); refused "
-      "where they do not fit");
-  command
-      ->add_option("--labels",
-                   arguments->options.label_maps,
-                   "Structures: a label map (NIfTI, NRRD, MetaImage, DICOM Segmentation or RT "
-                   "Structure Set) made from this "
-                   "CT; may be given several times")
-      ->expected(1)
-      ->take_all();
-  command
-      ->add_option(
-          "--structure",
-          arguments->options.meshes,
-          "Structures: a surface (STL, OBJ, PLY, VTP) in this CT's millimetres; may be given "
-          "several times")
-      ->expected(1)
-      ->take_all();
+      ->add_flag("--align-series",
+                 arguments->options.ct.align,
+                 "Join series by what both show (shifted table, feet first, turned over); refused "
+                 "where they do not fit")
+      ->needs(join);
+  auto* labels =
+      command
+          ->add_option("--labels",
+                       arguments->options.label_maps,
+                       "Structures: a label map (NIfTI, NRRD, MetaImage, DICOM Segmentation or RT "
+                       "Structure Set) made from this "
+                       "CT; may be given several times")
+          ->expected(1)
+          ->take_all();
+  auto* structure =
+      command
+          ->add_option(
+              "--structure",
+              arguments->options.meshes,
+              "Structures: a surface (STL, OBJ, PLY, VTP) in this CT's millimetres; may be given "
+              "several times")
+          ->expected(1)
+          ->take_all();
   command
       ->add_option("--structure-frame",
                    arguments->options.mesh.frame,
                    "Frame of the surfaces that do not name theirs: lps (DICOM) or ras (NIfTI)")
       ->transform(CLI::CheckedTransformer(kFrames))
-      ->default_str("lps");
-  command->add_flag("--total-segmentator",
-                    arguments->options.total_segmentator,
-                    "Labels without names have TotalSegmentator's (task \"total\")");
+      ->default_str("lps")
+      ->needs(structure);
+  command
+      ->add_flag("--total-segmentator",
+                 arguments->options.total_segmentator,
+                 "Labels without names have TotalSegmentator's (task \"total\")")
+      ->needs(labels);
   command->add_option("--preview",
                       arguments->preview,
                       "Only draw what would be taken for the body into this PNG, and stop");
-  command->add_flag("--check",
-                    arguments->check,
-                    "First show on a page what would be taken for the body, to correct it there");
+  auto* check = command->add_flag(
+      "--check",
+      arguments->check,
+      "First show on a page what would be taken for the body, to correct it there");
   command->add_option("--port", arguments->page.server.port, "--check: on 127.0.0.1; 0: a free one")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->needs(check);
   command->add_option("--web", arguments->page.server.web_root, "--check: the built page")
-      ->type_name("DIR");
+      ->type_name("DIR")
+      ->needs(check);
   command
       ->add_option("--keep",
                    arguments->keep,

@@ -72,15 +72,17 @@ void add_peer_options(CLI::App& command, PeerArguments& arguments) {
   command.add_option("--accession", filter.accession, "Accession number");
   command.add_option("--study", filter.study_uid, "Study Instance UID");
   command.add_option("--aet", options.aet, "dicom: our own AE title")->capture_default_str();
-  command.add_option("--user",
-                     options.user,
-                     "DICOMweb: user; the password comes from --password-file or "
-                     "MORGAGNI_PACS_PASSWORD");
+  auto* user = command.add_option("--user",
+                                  options.user,
+                                  "DICOMweb: user; the password comes from --password-file or "
+                                  "MORGAGNI_PACS_PASSWORD");
   command.add_option(
       "--password-file", arguments.password_file, "A file with that password and nothing else");
-  command.add_option("--token-file",
-                     arguments.token_file,
-                     "DICOMweb: bearer token; else from MORGAGNI_PACS_TOKEN");
+  command
+      .add_option("--token-file",
+                  arguments.token_file,
+                  "DICOMweb: bearer token; else from MORGAGNI_PACS_TOKEN")
+      ->excludes(user);
   add_tls_options(command, options.tls);
   command.add_option("--timeout-s", arguments.timeout_s, "Without a word from the PACS")
       ->capture_default_str();

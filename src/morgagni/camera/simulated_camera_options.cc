@@ -132,6 +132,9 @@ Result<void> SimulatedCameraOptions::check() const {
   if (walk_mm && !(*walk_mm >= kLeastWalkMm && *walk_mm <= kMostWalkMm)) {
     return outside("walk", *walk_mm, kLeastWalkMm, kMostWalkMm);
   }
+  if (path != SimulatedPath::kViews && (frames_a_view != 1 || walk_mm)) {
+    return make_error(ErrorCode::kInvalidArgument, "hold and walk are of path=views alone");
+  }
   if (!(bias_mm >= 0.0 && bias_mm <= kMaxBiasMm)) return outside("bias", bias_mm, 0, kMaxBiasMm);
   if (!(std::abs(focal_error_percent) <= kMaxFocalErrorPercent)) {
     return outside("focal", focal_error_percent, -kMaxFocalErrorPercent, kMaxFocalErrorPercent);

@@ -87,6 +87,9 @@ TEST(SimulatedCameraOptions, NameTheBadKeyOrValueAndWhatIsAllowed) {
               HasSubstr("one of orbit, sway, still, views, pass, sweep, got 'spiral'"));
   EXPECT_THAT(error_of("walk=5"), HasSubstr("walk must be in [10, 1000], got '5'"));
   EXPECT_THAT(error_of("hold=0"), HasSubstr("hold must be in [1, 1000], got '0'"));
+  for (const auto& wrong :
+       {SimulatedCameraOptions{.frames_a_view = 2}, SimulatedCameraOptions{.walk_mm = 300.0}})
+    EXPECT_THAT(wrong.check().error().message, HasSubstr("of path=views alone"));
   EXPECT_THAT(error_of("clutter=cat"),
               HasSubstr("one of none, hand, towel, parts, all, got 'cat'"));
   EXPECT_THAT(error_of("bias=-1"), HasSubstr("bias must be in [0, 20], got '-1'"));
