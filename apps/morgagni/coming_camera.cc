@@ -96,7 +96,7 @@ std::unique_ptr<RangeCamera> wait_for_camera_on_page(const OpenCamera& open,
   std::unique_ptr<WaitingRoom> room;
   return wait_for_camera(open, stop, [&](const std::string& sentence) {
     if (!room) {
-      room = value_or_exit(WaitingRoom::open(page_title, camera_name, server));
+      room = value_or_exit(WaitingRoom::open(page_title, shown_camera_name(camera_name), server));
       server.port = room->port();
       fmt::print("{} waits for its camera at http://127.0.0.1:{}/{}  (stop with Ctrl-C)\n",
                  page_title,

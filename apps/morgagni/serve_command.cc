@@ -112,7 +112,7 @@ void serve_ct(Arguments& arguments,
 
 void serve(Arguments& arguments) {
   auto& options = arguments.options;
-  options.camera_name = arguments.camera;
+  options.camera_name = shown_camera_name(arguments.camera);
   options.loop.placement.side = value_or_exit(side_option(arguments.side));
   // A camera that does not keep to the clock waits for the tracking.
   options.loop.in_step = arguments.camera.find("speed=full") != std::string::npos;

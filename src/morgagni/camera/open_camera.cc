@@ -89,6 +89,14 @@ Result<void> check_calibration_file(const std::string& file) {
 
 }  // namespace
 
+std::string shown_camera_name(std::string name) {
+  constexpr std::string_view kToken = ",token=";
+  const auto key = name.find(kToken);
+  if (key == std::string::npos) return name;
+  const auto value = key + kToken.size();
+  return name.replace(value, std::min(name.find(',', value), name.size()) - value, "...");
+}
+
 bool is_device_camera(std::string_view name) {
   const auto rest = name.substr(std::min(name.find(':'), name.size()));
   const auto kind = name.substr(0, name.size() - rest.size());

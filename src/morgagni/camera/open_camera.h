@@ -19,6 +19,9 @@ using SayWaiting = std::function<void(const std::string& sentence)>;
 /// recording and no simulation.
 [[nodiscard]] bool is_device_camera(std::string_view name);
 
+/// A camera's name as others may read it: without the value of `token=`.
+[[nodiscard]] std::string shown_camera_name(std::string name);
+
 /// As open_camera() of range_camera.h, for whoever can be asked to stop: `push:` waits until a
 /// device has pushed a frame.
 /// Devices take `,calibration=FILE` and, for the id under which one is kept, `,device=ID` as well.

@@ -52,6 +52,13 @@ TEST(OpenCamera, PassesOnWhatIsWrongWithTheOptions) {
   EXPECT_THAT(error_of("tum:/nowhere,lop=1"), AllOf(HasSubstr("'lop'"), HasSubstr("loop, speed")));
 }
 
+TEST(OpenCamera, ShowsNoSecret) {
+  EXPECT_EQ(shown_camera_name("push:8765,token=abc/def=1,tolerance_ms=5"),
+            "push:8765,token=...,tolerance_ms=5");
+  EXPECT_EQ(shown_camera_name("push:8765,token=abcdefgh"), "push:8765,token=...");
+  EXPECT_EQ(shown_camera_name("simulated:seed=1"), "simulated:seed=1");
+}
+
 TEST(OpenCamera, TellsDevicesFromRecordings) {
   for (const char* name :
        {"freenect:", "openni2:", "openni2:calibration=a.json", "push:8765", "v4l2:/dev/video0"}) {
