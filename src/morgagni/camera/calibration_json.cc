@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/fmt/fmt.h>
 
+#include "morgagni/core/printable_text.h"
+
 namespace mor {
 namespace {
 
@@ -208,7 +210,7 @@ std::string calibration_to_json(const RgbdCalibration& calibration) {
   Json json = {{"depth", pinhole_json(calibration.depth)},
                {"color", pinhole_json(calibration.color)},
                {"color_from_depth", rows}};
-  if (!calibration.origin.empty()) json["origin"] = calibration.origin;
+  if (!calibration.origin.empty()) json["origin"] = printable_text(calibration.origin);
   if (const auto& sd = calibration.depth_sd) {
     json[kDepthSd] = {{"focal_ratio", sd->focal_ratio}, {"center_px", sd->center_px}};
   }
