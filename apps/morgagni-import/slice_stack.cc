@@ -122,7 +122,6 @@ StackShape shape_of(const SliceStack& stack) {
   }
   const double sideways_mm = offset_mm(stack, heights.size() - 1).norm();
   shape.tilt_rad = std::atan2(sideways_mm, heights.back());
-  shape.shear_mm = offsets_of(stack).diagonal().norm();
   return shape;
 }
 

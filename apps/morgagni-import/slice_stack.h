@@ -34,7 +34,6 @@ struct StackShape {
   double tilt_rad = 0.0;  ///< Between the line through the slices' origins and their normal.
   double min_gap_mm = 0.0;
   double max_gap_mm = 0.0;
-  double shear_mm = 0.0;  ///< Farthest that a slice lies sideways of the first.
 };
 [[nodiscard]] StackShape shape_of(const SliceStack& stack);
 

@@ -33,11 +33,14 @@ struct Place {
 
 using ByTime = std::map<std::uint64_t, MessageRef>;
 
+/// Those in ROS 2's own encoding.
 ByTime messages_of(const mcap::Reader& file, std::string_view topic) {
   ByTime found;
   for (const auto& message : file.messages()) {
     const auto channel = file.channels().find(message.channel);
-    if (channel == file.channels().end() || channel->second.topic != topic) continue;
+    if (channel == file.channels().end() || channel->second.topic != topic ||
+        channel->second.encoding != "cdr")
+      continue;
     found.emplace(message.time_ns, message);
   }
   return found;

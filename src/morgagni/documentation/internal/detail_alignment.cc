@@ -16,7 +16,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 constexpr int kIterations = 6;
 constexpr std::size_t kFewDetails = 300;
 constexpr double kLevelSd = 4.0;    ///< Of a difference: grain, sampling, shading.
-constexpr double kTogether = 40.0;   ///< Neighbouring texels err together.
+constexpr double kTogether = 40.0;  ///< Neighbouring texels err together.
 constexpr double kLeverMm = 120.0;  ///< What a turn moves the skin by, a radian.
 
 float brightness(const Vector3f& color) {
@@ -33,7 +33,6 @@ struct NormalEquations {
   Matrix6d matrix = Matrix6d::Zero();
   Vector6d right = Vector6d::Zero();
   double cost = 0.0;
-  double misfit_sq = 0.0;
   double shift_mm = 0.0;
   std::size_t count = 0;
 };
@@ -72,7 +71,6 @@ NormalEquations equations(const FrameLook& frame,
     const double weight = size <= 2.0 * kLevelSd ? 1.0 : 2.0 * kLevelSd / size;
     sums.matrix += weight * row * row.transpose();
     sums.right -= weight * difference * row;
-    sums.misfit_sq += weight * difference * difference;
     ++sums.count;
   }
   const double information = 1.0 / (kLevelSd * kLevelSd * kTogether);
@@ -97,7 +95,7 @@ std::optional<DetailAlignment> align_details(FrameLook& frame,
   }
   if (count < kFewDetails) return std::nullopt;
   middle /= static_cast<float>(count);
-  DetailAlignment result{color_from_ct, 0.0, 0.0, 0.0};
+  DetailAlignment result{color_from_ct, 0.0};
   Vector6d prior;
   prior << Vector6d::Constant(1.0 / (pose_sd_mm * pose_sd_mm));
   prior.head<3>() *= kLeverMm * kLeverMm;
@@ -110,8 +108,6 @@ std::optional<DetailAlignment> align_details(FrameLook& frame,
       frame.move_to(color_from_ct);
       return std::nullopt;
     }
-    result.misfit_after = std::sqrt(sums.misfit_sq / static_cast<double>(sums.count));
-    if (i == 0) result.misfit_before = result.misfit_after;
     sums.matrix.diagonal() += prior;
     sums.right -= prior.cwiseProduct(total);
     const Vector6d step = sums.matrix.ldlt().solve(sums.right);

@@ -20,9 +20,7 @@ struct KnownDetail {
 
 struct DetailAlignment {
   Eigen::Isometry3d color_from_ct = Eigen::Isometry3d::Identity();
-  double shift_mm = 0.0;       ///< How far the places moved, in the mean.
-  double misfit_before = 0.0;  ///< Root mean square, in levels.
-  double misfit_after = 0.0;
+  double shift_mm = 0.0;  ///< How far the places moved, in the mean.
 };
 
 /// Moves a frame to where its details lie on the known ones: Gauss-Newton over the six degrees of

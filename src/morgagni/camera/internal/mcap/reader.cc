@@ -63,7 +63,6 @@ struct Reader::Impl {
   Result<std::span<const std::byte>> unpacked(std::uint32_t chunk);
 
   InputFile file;
-  std::map<std::uint16_t, std::string> schemas;
   std::map<std::uint16_t, ChannelInfo> channels;
   std::vector<ChunkPlace> chunks;
   std::vector<AttachmentPlace> attachments;
@@ -145,16 +144,13 @@ Result<void> Reader::Impl::take_record(Opcode opcode, std::uint64_t at, std::uin
 bool Reader::Impl::take_definition(Opcode opcode, ByteReader& in) {
   const auto id = in.take<std::uint16_t>();
   if (opcode == Opcode::kSchema) {
-    schemas.emplace(id, take_string(in));
+    (void)take_string(in);  // Its name: what a topic has is known.
     return in.ok();
   }
-  const auto schema = in.take<std::uint16_t>();
+  (void)in.take<std::uint16_t>();  // Its schema.
   ChannelInfo channel;
   channel.topic = take_string(in);
   channel.encoding = take_string(in);
-  if (const auto known = schemas.find(schema); known != schemas.end()) {
-    channel.schema = known->second;
-  }
   channels.emplace(id, std::move(channel));
   return in.ok();
 }

@@ -16,8 +16,7 @@ namespace mor::internal::mcap {
 
 struct ChannelInfo {
   std::string topic;
-  std::string schema;    ///< "sensor_msgs/msg/Image".
-  std::string encoding;  ///< "cdr".
+  std::string encoding;  ///< Of its messages: "cdr", "json", ...
 };
 
 /// A message in the file.
