@@ -189,7 +189,7 @@ std::string to_text(const RecordingProgress& progress) {
 
 void record_mcap(const Arguments& arguments, const Source& source, const StopSignals& signals) {
   McapRecorderOptions options{.color = arguments.color};
-  options.about = {{"camera", arguments.camera}, {"morgagni", kVersion}};
+  options.about = {{"camera", shown_camera_name(arguments.camera)}, {"morgagni", kVersion}};
   if (!arguments.folder.empty()) {
     options.about.emplace_back("case", arguments.folder.filename().string());
   }
