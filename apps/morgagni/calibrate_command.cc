@@ -74,8 +74,8 @@ struct Gathered {
 
 Gathered gather_images(const Arguments& arguments, const CalibrationBoard& board) {
   const auto pictures = value_or_exit(read_still_pictures(arguments.images));
-  const auto design = arguments.design.empty() ? unknown_calibration(pictures)
-                                               : read_calibration(arguments.design);
+  const auto design =
+      arguments.design.empty() ? unknown_calibration(pictures) : read_calibration(arguments.design);
   Gathered gathered{ViewCollector(board, design), arguments.device};
   const auto pointer = [](const auto& optional) { return optional ? &*optional : nullptr; };
   for (const auto& each : pictures) {

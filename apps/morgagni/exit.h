@@ -29,14 +29,10 @@ T value_or_exit(Result<T> result) {
 inline void make_folder_or_exit(const std::filesystem::path& folder) {
   std::error_code status;
   std::filesystem::create_directories(folder, status);
-  if (!std::filesystem::is_directory(folder)) {
-    value_or_exit(Result<void>(
-        tl::unexpect,
-        Error{ErrorCode::kIo,
-              fmt::format("{}: {}",
-                          folder.string(),
-                          status ? status.message() : "there is something else")}));
-  }
+  if (!status) return;
+  value_or_exit(Result<void>(
+      tl::unexpect,
+      Error{ErrorCode::kIo, fmt::format("{}: {}", folder.string(), status.message())}));
 }
 
 }  // namespace mor

@@ -130,18 +130,22 @@ void add_evaluate_starts_command(CLI::App& evaluate_app) {
                        "In place of a camera: folder in the TUM RGB-D layout with groundtruth.txt "
                        "and targets.csv")
           ->excludes(camera);
-  auto* other_body = command
-      ->add_option("--other-body",
-                   arguments->other_folder,
-                   "Case whose body the simulated camera sees in place of this one's: every start "
-                   "that is found is wrong")
-      ->excludes(recording);
-  auto* mirrored = command
-      ->add_flag("--mirrored",
-                 arguments->mirrors,
-                 "The simulated camera sees the body's mirror image: every start that is found is "
-                 "wrong")
-      ->excludes(recording);
+  auto* other_body =
+      command
+          ->add_option(
+              "--other-body",
+              arguments->other_folder,
+              "Case whose body the simulated camera sees in place of this one's: every start "
+              "that is found is wrong")
+          ->excludes(recording);
+  auto* mirrored =
+      command
+          ->add_flag(
+              "--mirrored",
+              arguments->mirrors,
+              "The simulated camera sees the body's mirror image: every start that is found is "
+              "wrong")
+          ->excludes(recording);
   command->add_option("--views", arguments->num_views, "How many, each a start of its own")
       ->capture_default_str()
       ->check(CLI::Range(std::size_t{1}, kMaxViews));

@@ -100,7 +100,8 @@ std::optional<KeptCalibration> CalibrationStore::newest(const std::string& devic
 
 Result<void> CalibrationStore::take_back(const fs::path& file) const {
   std::error_code status;
-  if (file.extension() != ".json" || file.parent_path().parent_path() != (folder_ / "").parent_path()) {
+  if (file.extension() != ".json" ||
+      file.parent_path().parent_path() != (folder_ / "").parent_path()) {
     return bad(fmt::format("{} is none", file.string()));
   }
   if (fs::remove(file, status) && !status) return {};

@@ -130,8 +130,7 @@ MotionCoverage ViewGatherer::coverage() const {
     least_roll = std::min(least_roll, roll);
     most_roll = std::max(most_roll, roll);
     for (std::size_t other = 0; other < i; ++other) {
-      const double cosine =
-          views_[other].ct_from_depth.linear().col(2).dot(pose.linear().col(2));
+      const double cosine = views_[other].ct_from_depth.linear().col(2).dot(pose.linear().col(2));
       coverage.turn_rad = std::max(coverage.turn_rad, std::acos(std::clamp(cosine, -1.0, 1.0)));
     }
   }

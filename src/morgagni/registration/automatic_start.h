@@ -99,8 +99,8 @@ class AutomaticStart {
 
   /// The same in the next picture of a camera that moves on slowly, by some 50 mm and 6 degrees
   /// from picture to picture at the most, while the body and what lies on it stay. A pose must
-  /// explain this picture and up to four of those before it, together; where the camera's motion is not
-  /// clear, this picture alone counts, as in find().
+  /// explain this picture and up to four of those before it, together; where the camera's motion is
+  /// not clear, this picture alone counts, as in find().
   /// @param memory  Of the pictures before; takes this one in. Empty for the first.
   /// @threads One call at a time for a memory.
   [[nodiscard]] Result<AutomaticStartResult> find_next(ImageView<const std::uint16_t> depth_mm,

@@ -247,11 +247,10 @@ Result<void> SelfCalibrator::undo() {
   }
   MOR_CHECK(check_hindrance());
   const auto back_to = replaced_.back();
-  const double earlier_mm =
-      replaced_.size() < 2 ? 0.0 : replaced_[replaced_.size() - 2].by.bias_mm;
+  const double earlier_mm = replaced_.size() < 2 ? 0.0 : replaced_[replaced_.size() - 2].by.bias_mm;
   // The sensor is no better for it: as after discard(), until look_again().
-  MOR_CHECK(in_use_.use(
-      back_to.calibration, back_to.skin, std::max(earlier_mm, back_to.bias_before_mm)));
+  MOR_CHECK(
+      in_use_.use(back_to.calibration, back_to.skin, std::max(earlier_mm, back_to.bias_before_mm)));
   replaced_.pop_back();
   const auto taken_back =
       back_to.by.kept_in.empty() ? Result<void>() : store_.take_back(back_to.by.kept_in);

@@ -95,11 +95,8 @@ std::vector<StartFinding> StartFinder::judge_together(const SeenViews& views,
     finding.agreement = look_at(views, &SeenView::picture, finding.ct_from_depth);
     finding.score = believed_evidence(finding.agreement);
     const auto fit_closely = [&](const Eigen::Isometry3d& pose) {
-      const Eigen::Isometry3d close = refine_on_plane(fixed_->field,
-                                                      readings,
-                                                      pose,
-                                                      {finding.up_ct, 3.0, 0.02},
-                                                      close_round(noise_at(pose)));
+      const Eigen::Isometry3d close = refine_on_plane(
+          fixed_->field, readings, pose, {finding.up_ct, 3.0, 0.02}, close_round(noise_at(pose)));
       const auto agreement = look_at(views, &SeenView::picture, close);
       if (believed_evidence(agreement) <= finding.score) return;
       finding.ct_from_depth = close;
@@ -202,11 +199,8 @@ void StartFinder::search_around(const StartPicture& picture,
 std::vector<StartFinding> StartFinder::judge_around(const SeenViews& views,
                                                     std::vector<StartFinding> findings) const {
   const auto& newest = views.newest();
-  search_around(newest.picture,
-                newest.planes,
-                take_points(newest.standing),
-                kMostSearchedAround,
-                findings);
+  search_around(
+      newest.picture, newest.planes, take_points(newest.standing), kMostSearchedAround, findings);
   return judge_together(views, std::move(findings));
 }
 
