@@ -212,7 +212,7 @@ TEST(AlignVolumes, RefusesAMirroredBody) {
 class SeriesJoin : public ImportFolder {
  protected:
   /// Writes a scan as DICOM slices of a series.
-  void write_series(const Volume& volume, const SliceText& head) {
+  void write_series(const Volume& volume, const SliceText& head, const std::string& folder = {}) {
     for (int z = 0; z < volume.size[2]; ++z) {
       SliceText slice = head;
       slice.columns = volume.size[0];
@@ -220,11 +220,13 @@ class SeriesJoin : public ImportFolder {
       slice.column_spacing_mm = volume.spacing_mm.x();
       slice.row_spacing_mm = volume.spacing_mm.y();
       slice.position_mm = volume.ct_from_grid * Eigen::Vector3d(0, 0, z * volume.spacing_mm.z());
-      slice.sop_instance_uid = fmt::format("{}.{}", head.series_uid, z + 1);
+      slice.sop_instance_uid =
+          fmt::format("{}.{}", head.series_uid, 1000 * (head.acquisition_number - 1) + z + 1);
       for (std::size_t i = 0; i < volume.index(0, 0, 1); ++i)
         slice.stored.push_back(
             static_cast<std::uint16_t>(volume.hu[volume.index(0, 0, z) + i] + 1024));
-      write(fmt::format("{}/{}", head.series_description, z), slice_file(slice));
+      write(fmt::format("{}/{}", folder.empty() ? head.series_description : folder, z),
+            slice_file(slice));
     }
   }
 
@@ -256,6 +258,22 @@ TEST_F(SeriesJoin, OfOneFrameOfReferenceGoesByCoordinates) {
   EXPECT_EQ(joined->hu, scanned(body_, {}).hu);
   EXPECT_THAT(joined->description, HasSubstr("joined with \"high\" by coordinates: "));
   EXPECT_THAT(join_error({.series = "1", .join = {"7"}}), HasSubstr("holds no series \"7\""));
+}
+
+/// Scanned at two table positions under one UID: where both are, they differ.
+TEST_F(SeriesJoin, PartsOfOneSeriesAreToldByTheirNumber) {
+  auto low = named("body", 1, "9.1");
+  auto high = low;
+  high.acquisition_number = 2;
+  write_series(scanned(body_, {.from_z_mm = -120, .to_z_mm = 30}), low, "low");
+  write_series(scanned(body_, {.from_z_mm = -30, .to_z_mm = 120, .hu_offset = 8.0}), high, "high");
+  ASSERT_EQ(list_ct_series(folder_, {}).value().size(), 2U);
+  const auto joined = import_volume(folder_, {.series = "1", .join = {"2"}}, {});
+  ASSERT_TRUE(joined) << joined.error().message;
+  EXPECT_EQ(joined->size, scanned(body_, {}).size);
+  EXPECT_THAT(join_error({.series = "1", .join = {"body"}}),
+              HasSubstr("more than one series \"body\""));
+  EXPECT_THAT(join_error({.series = "1", .join = {"1"}}), HasSubstr("named twice"));
 }
 
 TEST_F(SeriesJoin, OfOtherFramesIsDoneOnlyWhenTold) {

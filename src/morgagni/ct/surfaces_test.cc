@@ -121,13 +121,28 @@ TEST(ExtractSkin, TakesClothOffAndSaysWhereItLay) {
   EXPECT_LT(doubt.middle_mm.y(), -10.0);
 }
 
-/// A trunk with a shell behind it that has its HU: it comes down to the skin from both sides.
+/// A shell that comes down to a trunk of 30 mm from both sides; `out_mm` is along its middle.
+double shell_mm(double out_mm, double across_mm, double lifted_mm) {
+  const double middle_mm = 31.2 + lifted_mm - (0.011 + 0.0025 * lifted_mm) * across_mm * across_mm;
+  return std::min(1.3 - std::abs(out_mm - middle_mm), out_mm - 5.0);
+}
+
+/// A trunk with a shell behind it that has its HU.
 Volume trunk_on_shell() {
   return make_volume(120, 0.9, [](const Eigen::Vector3d& place) {
     const double trunk = 30.0 - std::hypot(place.x(), place.y());
-    const double behind_mm = 30.0 - 0.011 * place.x() * place.x();
-    const double shell = std::min(1.3 - std::abs(place.y() - behind_mm - 1.2), place.y() - 5.0);
-    return std::max(trunk, shell);
+    return std::max(trunk, shell_mm(place.y(), place.x(), 0.0));
+  });
+}
+
+/// Another over that, which hides it, and one in front.
+Volume trunk_in_three_shells() {
+  return make_volume(120, 0.9, [](const Eigen::Vector3d& place) {
+    const double trunk = 30.0 - std::hypot(place.x(), place.y());
+    return std::max({trunk,
+                     shell_mm(place.y(), place.x(), 0.0),
+                     shell_mm(place.y(), place.x(), 14.0),
+                     shell_mm(-place.y(), place.x(), 0.0)});
   });
 }
 
@@ -168,6 +183,23 @@ TEST(ExtractSkin, TakesALayerOffWhereAskedTo) {
   ASSERT_FALSE(nothing);
   EXPECT_NE(nothing.error().message.find("no thin layer to take off near (0.0, -30.0, -50.0)"),
             std::string::npos);
+}
+
+TEST(ExtractSkin, TakesALayerOffThatLiesBeneathAnother) {
+  const auto volume = trunk_in_three_shells();
+  auto options = kQuick;
+  auto skin = extract_skin(volume, options, {});
+  ASSERT_TRUE(skin) << skin.error().message;
+  for (int ask = 0; ask < 3; ++ask) {
+    for (const auto& doubt : skin->preview.doubts)
+      if (doubt.why == SkinDoubt::Why::kLayerLeft) options.take_off_mm.push_back(doubt.middle_mm);
+    skin = extract_skin(volume, options, {});
+    ASSERT_TRUE(skin) << skin.error().message;
+  }
+  float most_off_mm = 0.0F;
+  for (const auto& vertex : skin->full.vertices)
+    if (std::abs(vertex.x()) < 5.0F) most_off_mm = std::max(most_off_mm, std::abs(vertex.y()));
+  EXPECT_LT(most_off_mm, 30.6F) << "the shells are 2.6 mm thick";
 }
 
 TEST(ExtractSkin, IsCertainOfABareBody) {

@@ -242,7 +242,7 @@ Peeled peel(Volume& volume,
     done(0.3);
     ThinLayers layers = thin_layers(profiles, asked_mm);
     peeled.asked |= profiles.voxels_of(layers.asked, volume);
-    if (!layers.asked.empty()) asked_mm.clear();
+    asked_mm = std::move(layers.not_found_mm);  // They may be of the layer beneath.
     leave(settled, profiles, volume, layers);
     done(0.5);
     note_unknown(profiles, layers.unknown_mm, volume, peeled);

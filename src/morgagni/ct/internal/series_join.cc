@@ -22,9 +22,11 @@ constexpr double kMostHu = 100.0;
 constexpr double kMovedMm = 3.0;
 constexpr double kMovedFarMm = 10.0;
 
-Result<CtSeries> series_named(const std::vector<CtSeries>& all,
-                              const std::string& wanted,
-                              const std::filesystem::path& path) {
+/// Where in the list a series stands. Parts of one series, of several acquisitions, share its UID
+/// and its description: they are told by their number alone.
+Result<std::size_t> find_series(const std::vector<CtSeries>& all,
+                                const std::string& wanted,
+                                const std::filesystem::path& path) {
   if (wanted.empty()) {
     return make_error(ErrorCode::kInvalidArgument,
                       fmt::format("name the series of the {} in {} that others are joined to "
@@ -32,12 +34,23 @@ Result<CtSeries> series_named(const std::vector<CtSeries>& all,
                                   all.size(),
                                   path.string()));
   }
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (wanted == std::to_string(i + 1) || wanted == all[i].uid || wanted == all[i].description)
-      return all[i];
-  return make_error(
-      ErrorCode::kInvalidArgument,
-      fmt::format("{} holds no series \"{}\": see --list-series", path.string(), wanted));
+  std::vector<std::size_t> named;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (wanted == std::to_string(i + 1)) return i;
+    if (wanted == all[i].uid || wanted == all[i].description) named.push_back(i);
+  }
+  if (named.size() == 1) return named.front();
+  return make_error(ErrorCode::kInvalidArgument,
+                    fmt::format("{} holds {} series \"{}\": see --list-series",
+                                path.string(),
+                                named.empty() ? "no" : "more than one",
+                                wanted));
+}
+
+Result<Volume> import_numbered(const std::filesystem::path& path,
+                               std::size_t index,
+                               const Progress& progress) {
+  return import_volume(path, {.series = std::to_string(index + 1)}, progress);
 }
 
 Result<void> check_hu(const OverlapQuality& quality, const std::string& name) {
@@ -121,30 +134,26 @@ Result<Volume> import_joined(const std::filesystem::path& path,
                              const ImportOptions& options,
                              const Progress& progress) {
   MOR_TRY(const auto all, list_ct_series(path, progress));
-  MOR_TRY(const CtSeries first, series_named(all, options.series, path));
-  std::vector<CtSeries> others;
+  MOR_TRY(const std::size_t first, find_series(all, options.series, path));
+  std::vector<std::size_t> others;
   for (const auto& wanted : options.join) {
-    MOR_TRY(const CtSeries other, series_named(all, wanted, path));
-    const bool is_there =
-        other.uid == first.uid || std::any_of(others.begin(), others.end(), [&](const auto& o) {
-          return o.uid == other.uid;
-        });
-    if (is_there) {
+    MOR_TRY(const std::size_t other, find_series(all, wanted, path));
+    if (other == first || std::find(others.begin(), others.end(), other) != others.end()) {
       return make_error(ErrorCode::kInvalidArgument,
                         fmt::format("series \"{}\" is named twice: each is joined once", wanted));
     }
-    MOR_CHECK(check_frames(first, other, options.align));
+    MOR_CHECK(check_frames(all[first], all[other], options.align));
     others.push_back(other);
   }
-  MOR_TRY(Volume whole, import_volume(path, {.series = options.series}, progress));
+  MOR_TRY(Volume whole, import_numbered(path, first, progress));
   std::string description = whole.description;
-  for (std::size_t i = 0; i < others.size(); ++i) {
-    MOR_TRY(const Volume next, import_volume(path, {.series = options.join[i]}, progress));
+  for (const std::size_t other : others) {
+    MOR_TRY(const Volume next, import_numbered(path, other, progress));
     MOR_TRY(const auto place,
             options.align ? align_volumes(whole, next, progress)
-                          : by_coordinates(whole, next, others[i].description));
-    MOR_CHECK(check_hu(place.quality, others[i].description));
-    const std::string how = words(place.quality, others[i], !options.align);
+                          : by_coordinates(whole, next, all[other].description));
+    MOR_CHECK(check_hu(place.quality, all[other].description));
+    const std::string how = words(place.quality, all[other], !options.align);
     log::info("series{}", how);
     description += how;
     MOR_TRY(whole, join_volumes(whole, next, place.first_from_second, progress));

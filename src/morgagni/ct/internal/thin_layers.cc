@@ -134,7 +134,8 @@ class Search {
     fill_gaps();
     for (const LiftedSheet& sheet : sheets_) doubt_around(sheet.places, sheet.thick_mm);
     for (const LiftedSheet& sheet : like_skin_) doubt_around(sheet.places, sheet.thick_mm);
-    for (const auto& place_mm : take_off_mm) take_stretch_at(place_mm);
+    for (const auto& place_mm : take_off_mm)
+      if (!take_stretch_at(place_mm)) found_.not_found_mm.push_back(place_mm);
     return std::move(found_);
   }
 
@@ -316,10 +317,10 @@ class Search {
     }
   }
 
-  /// As somebody asked for.
-  void take_stretch_at(const Eigen::Vector3f& place_mm) {
+  /// As somebody asked for. @return Whether there was any.
+  bool take_stretch_at(const Eigen::Vector3f& place_mm) {
     const auto start = nearest_unknown(place_mm);
-    if (!start) return;
+    if (!start) return is_taken_at(place_mm);
     std::vector<char> seen(places_.size());
     const auto stretch = profiles_.region(
         *start, seen, [&](std::size_t, std::size_t to) { return found_.unknown_mm[to] > 0.0F; });
@@ -341,20 +342,33 @@ class Search {
     }
     found_.asked.insert(found_.asked.end(), stretch.begin(), stretch.end());
     doubt_around(stretch, thick_mm);  // It may go on: they can ask again.
+    return true;
+  }
+
+  /// With a place before it.
+  [[nodiscard]] bool is_taken_at(const Eigen::Vector3f& place_mm) const {
+    return std::any_of(found_.asked.begin(), found_.asked.end(), [&](std::size_t i) {
+      return off_mm(i, place_mm) <= kMostOffMm;
+    });
+  }
+
+  [[nodiscard]] float off_mm(std::size_t i, const Eigen::Vector3f& place_mm) const {
+    return (profiles_.all()[i].place_mm - place_mm).norm();
   }
 
   [[nodiscard]] std::optional<std::size_t> nearest_unknown(const Eigen::Vector3f& place_mm) const {
-    constexpr float kMostMm = 6.0F;  // Two cells.
     std::optional<std::size_t> nearest;
-    float least = kMostMm * kMostMm;
+    float least = kMostOffMm;
     for (std::size_t i = 0; i < places_.size(); ++i) {
-      const float off = (profiles_.all()[i].place_mm - place_mm).squaredNorm();
+      const float off = off_mm(i, place_mm);
       if (found_.unknown_mm[i] <= 0.0F || off > least) continue;
       least = off;
       nearest = i;
     }
     return nearest;
   }
+
+  static constexpr float kMostOffMm = 6.0F;  ///< Of what is asked for: two cells.
 
   const SkinProfiles& profiles_;
   std::vector<SurfacePlace> places_;

@@ -15,6 +15,7 @@ struct ThinLayers {
   std::vector<char> is_sheet;      ///< It is as thick all over, and ends with a rim.
   std::vector<float> unknown_mm;   ///< How thick a layer may go on here unseen; 0: none is near.
   std::vector<std::size_t> asked;  ///< Where one was taken off because somebody asked for it.
+  std::vector<Eigen::Vector3f> not_found_mm;  ///< Places asked for at which there was none.
 };
 
 /// Looks for layers whose profile no skin has.
