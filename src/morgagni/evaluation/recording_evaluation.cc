@@ -135,6 +135,7 @@ Result<RegistrationResult> Evaluation::run(const RgbdFrame& frame,
   run.frame = frame.frame_id;
   run.num_points = cloud.size();
   run.tre_mm = target_registration_error_mm(result.fixed_from_moving, truth, targets_);
+  run.start_tre_mm = target_registration_error_mm(start, truth, targets_);
   run.rms_distance_mm = result.rms_distance_mm;
   run.status = result.status;
   runs_.push_back(run);
@@ -346,8 +347,10 @@ std::string to_json(const EvaluationReport& report) {
                                   {"least_tre_mm", difficulty.least_tre_mm}});
   }
   for (const auto& run : report.runs) {
-    json["runs"].push_back(
-        {{"frame", run.frame}, {"tre_mm", run.tre_mm}, {"cpu_ms", run.registration_cpu_ms}});
+    json["runs"].push_back({{"frame", run.frame},
+                            {"tre_mm", run.tre_mm},
+                            {"start_tre_mm", run.start_tre_mm},
+                            {"cpu_ms", run.registration_cpu_ms}});
   }
   return json.dump(2) + "\n";
 }

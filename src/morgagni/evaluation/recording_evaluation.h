@@ -42,6 +42,7 @@ struct EvaluationRun {
   std::size_t frame = 0;
   std::size_t num_points = 0;  ///< Of the moving surface.
   double tre_mm = 0.0;         ///< Root mean square over the targets, as the paper has it.
+  double start_tre_mm = 0.0;   ///< The same of the pose that it started from.
   double rms_distance_mm = 0.0;
   double registration_ms = 0.0;      ///< Of align() alone.
   double registration_cpu_ms = 0.0;  ///< Of the calling thread in it: what a busy machine leaves.
