@@ -36,7 +36,9 @@ expect 0 "Range cameras (--camera)" doctor
 expect 0 '"range_cameras": [' doctor --json
 OCL_ICD_VENDORS="$scratch/none" expect 0 "there is no OpenCL device: install a driver" doctor
 OCL_ICD_VENDORS="$scratch/none" expect 0 '"opencl_devices": []' doctor --json
-expect 0 "morgagni evaluate recording" evaluate recording --help
+expect 0 "ENUM:auto, centred or ct" evaluate recording --help
+expect 0 "ENUM:lps or ras" prepare --help
+expect 0 "ENUM:filled or shell" document --help
 expect 0 "morgagni evaluate bound" evaluate bound --help
 expect 0 "morgagni evaluate self-calibration" evaluate self-calibration --help
 expect 0 "morgagni evaluate starts" evaluate starts --help
@@ -115,6 +117,37 @@ expect 1 "nowhere.mcap" record --camera "mcap:$scratch/nowhere.mcap" --out "$scr
 expect 1 "needs a port" record --camera push: --out "$scratch/r.mcap"
 expect 1 "there is no /dev/no_video" record --camera v4l2:/dev/no_video --out "$scratch/r.mcap"
 expect 2 "--color" record --camera "mcap:$scratch/nowhere.mcap" --out "$scratch/r.mcap" --color gray
+# A camera that fails (the fourth picture and all after it are cut off) ends a recording, which keeps the three before.
+python3 - "$scratch/cut" <<'PYTHON'
+import json, os, struct, sys, zlib
+
+def png(bits, color, row):
+    def chunk(name, data):
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+    head = struct.pack(">IIBBBBB", 160, 120, bits, color, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(row * 120)) + chunk(b"IEND", b"")
+
+os.makedirs(sys.argv[1])
+os.chdir(sys.argv[1])
+depth = png(16, 0, b"\0" + struct.pack(">160H", *range(700, 860)))
+color = png(8, 2, b"\0" + bytes(480))
+for name, picture in ("depth", depth), ("rgb", color):
+    os.mkdir(name)
+    with open(name + ".txt", "w") as list_file:
+        for i in range(20):
+            list_file.write(f"{i / 10:.6f} {name}/{i}.png\n")
+            with open(f"{name}/{i}.png", "wb") as file:
+                file.write(picture if name == "rgb" or i < 3 else picture[:90])
+with open("intrinsics.json", "w") as file:
+    json.dump({"fx": 130, "fy": 130, "cx": 79.5, "cy": 59.5, "width": 160, "height": 120, "depth_scale": 1000}, file)
+PYTHON
+for out in kept kept.mkv kept.mcap; do
+  expect 1 "3 frames" record --camera "tum:$scratch/cut,speed=full" --out "$scratch/$out"
+done
+expect 0 "3 frames" record --camera "tum:$scratch/kept,speed=full" --out "$scratch/again.mcap"
+expect 0 "3 frames" record --camera "mcap:$scratch/kept.mcap,speed=full" --out "$scratch/again.mkv"
+[ -s "$scratch/kept.mkv" ] || { echo "FAILED: no Matroska file was kept"; failures=$((failures + 1)); }
+
 [ ! -e "$scratch/case" ] || { echo "FAILED: a refused preparation left its folder"; failures=$((failures + 1)); }
 
 if [ "$failures" != 0 ]; then exit 1; fi

@@ -100,7 +100,7 @@ void add_document_command(CLI::App& app) {
                    arguments->options.print.form,
                    "stl, 3mf: the CT's skin is open where the CT ends; for printing its ends are "
                    "closed (filled), or it becomes a wall (shell)")
-      ->transform(CLI::CheckedTransformer(kPrintForms))
+      ->transform(CLI::CheckedTransformer(kPrintForms).description("filled or shell"))
       ->default_str("filled");
   command->add_option("--wall-mm", arguments->options.print.wall_mm, "--print shell: its thickness")
       ->capture_default_str();

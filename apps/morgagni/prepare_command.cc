@@ -274,7 +274,7 @@ void add_prepare_command(CLI::App& app) {
       ->add_option("--structure-frame",
                    arguments->options.mesh.frame,
                    "Frame of the surfaces that do not name theirs: lps (DICOM) or ras (NIfTI)")
-      ->transform(CLI::CheckedTransformer(kFrames))
+      ->transform(CLI::CheckedTransformer(kFrames).description("lps or ras"))
       ->default_str("lps")
       ->needs(structure);
   command

@@ -75,7 +75,7 @@ void add_evaluate_recording_command(CLI::App& evaluate_app) {
                    arguments->truth_frame,
                    "World of truth and targets: the CT's own, one with its origin at the centre of "
                    "the CT's volume, or whichever puts the skin targets on the skin")
-      ->transform(CLI::CheckedTransformer(kTruthFrames))
+      ->transform(CLI::CheckedTransformer(kTruthFrames).description("auto, centred or ct"))
       ->default_str("auto");
   add_registration_options(*command, options.registration);
   command->add_option("--json", arguments->json, "Write the report there as well")
