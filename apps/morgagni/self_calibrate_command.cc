@@ -39,7 +39,7 @@ struct Arguments {
   std::filesystem::path out;
   int num_views = 60;
   bool is_forced = false;
-  BodySurfaceOptions depth;
+  BodySurfaceOptions depth = {.far_mm = kHandHeldFarMm};
 };
 
 /// Tracks the body and keeps a view whenever the camera has moved on.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <numbers>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -124,6 +125,14 @@ TEST(RealCt, FullSizeChestMeetsThePromisedFigures) {
   ASSERT_TRUE(skin) << skin.error().message;
   expect_promised_quality(*skin);
   expect_normals_outwards(volume, skin->remeshed);
+  // The table reaches 50 mm farther back, folds of cloth 10 to 30 mm in front of the skin.
+  const auto bounds = skin->full.bounds();
+  EXPECT_LT(bounds.max().y(), 296.0F) << "the table is not the chest";
+  EXPECT_GT(bounds.min().y(), -12.0F) << "nor is the cloth on it";
+  double behind_ml = 0.0;
+  for (const auto& part : skin->preview.cut)
+    if (part.place == "behind") behind_ml += part.volume_ml;
+  EXPECT_GT(behind_ml, 700.0) << "the table";
   const auto bone = extract_bone(skin->body, {}, {});
   ASSERT_TRUE(bone);
   EXPECT_GT(bone->triangles.size(), 30000U);
@@ -341,7 +350,14 @@ TEST(RealCt, TiltedHeadComesOutUpright) {
   ASSERT_TRUE(volume) << volume.error().message;
   EXPECT_NEAR(volume->spacing_mm.z(), 1.08, 0.01) << "the smallest of 4.0, 7.0 and 1.08 mm";
   EXPECT_GT(volume->size[1], 512) << "room for the shear";
-  EXPECT_TRUE(extract_skin(*volume, {}, {}));
+  const Eigen::Vector3d down = volume->ct_from_grid.linear().col(1);
+  EXPECT_NEAR(std::atan2(std::abs(down.z()), down.y()) * 180.0 / std::numbers::pi, 18.5, 0.1);
+  const auto skin = extract_skin(*volume, {}, {});
+  ASSERT_TRUE(skin) << skin.error().message;
+  // A pad of the headrest at each ear, 25 mm and more.
+  EXPECT_LT(skin->full.bounds().sizes().x(), 195.0F) << "the headrest is not the head";
+  ASSERT_GE(skin->preview.cut.size(), 2U);
+  for (const std::size_t side : {0U, 1U}) EXPECT_GT(skin->preview.cut[side].volume_ml, 30.0);
 }
 
 /// The phantom's plastic shell, from one scan.

@@ -17,15 +17,18 @@
 
 namespace mor {
 
+/// Of a camera in a hand: bodies lie up to 1.2 m away, and reach behind their middle.
+inline constexpr double kHandHeldFarMm = 1500.0;
+
 struct BodySurfaceOptions {
   double near_mm = 0.0;       ///< d_near: nearer readings are dropped. >= 0.
-  double far_mm = 1000.0;     ///< d_far: farther readings are dropped. > near_mm.
+  double far_mm = 1000.0;     ///< d_far, the paper's: farther readings are dropped. > near_mm.
   double max_edge_mm = 10.0;  ///< d_triangulation: neighbours farther apart are not connected. > 0.
   double down_sampling = 2.0;  ///< Every so many pixels, both ways, fractions allowed. [1, 4].
 
-  /// A point is the mean of the readings around it, as far as they are of one surface, each of which
-  /// counts once over all points; a curved surface stays where it is. false: the reading at its
-  /// pixel alone, as the paper has it. Without down-sampling there are none to average.
+  /// A point is the mean of the readings around it, as far as they are of one surface, each of
+  /// which counts once over all points; a curved surface stays where it is. false: the reading at
+  /// its pixel alone, as the paper has it. Without down-sampling there are none to average.
   bool averages = true;
 
   [[nodiscard]] Result<void> check() const;

@@ -28,7 +28,7 @@ struct BoundStudyOptions {
   std::uint64_t first_seed = 1000;  ///< 2000 to 2059: what the calibration was fitted on.
   int num_seeds = 10;               ///< Each group. >= 1.
   int num_frames = 20;              ///< Each seed. >= 1.
-  BodySurfaceOptions depth;
+  BodySurfaceOptions depth = {.far_mm = kHandHeldFarMm};
 
   [[nodiscard]] Result<void> check() const;
 };

@@ -67,12 +67,16 @@ class LiveLoopTest : public testing::Test {
 
   /// The body is an egg: no search could tell its poses apart, so it is placed.
   void start_simulated(StartMethod method = StartMethod::kPlacement) {
-    const auto body = synthetic_case();
-    auto camera = open_camera("simulated:",
-                              std::shared_ptr<const TriangleMesh>(body->skin, &body->skin->mesh));
-    ASSERT_TRUE(camera) << camera.error().message;
     LiveLoopOptions options;
     options.start = method;
+    start_simulated("simulated:", options);
+  }
+
+  void start_simulated(const std::string& name, const LiveLoopOptions& options) {
+    const auto body = synthetic_case();
+    auto camera =
+        open_camera(name, std::shared_ptr<const TriangleMesh>(body->skin, &body->skin->mesh));
+    ASSERT_TRUE(camera) << camera.error().message;
     start(*std::move(camera), options);
   }
 
@@ -311,6 +315,14 @@ TEST_F(LiveLoopTest, ATouchSaysWhichCtPointItIsAndHowSure) {
   EXPECT_GT(touched["bound_mm"].get<double>(), 0.0);
   EXPECT_EQ(ask("POST /api/touch", R"({"x": "left"})").status, 400);
   EXPECT_TRUE(eventually([this] { return loop_->status().bound_mm.has_value(); }));
+}
+
+TEST_F(LiveLoopTest, FollowsABodyBeyondOneMetre) {
+  LiveLoopOptions options;
+  options.start = StartMethod::kPlacement;
+  options.placement.distance_mm = 1200.0;
+  start_simulated("simulated:path=still,distance=1200", options);
+  EXPECT_TRUE(tracks());
 }
 
 TEST_F(LiveLoopTest, SearchesForTheBodyAndSaysWhyItFindsNone) {

@@ -27,7 +27,7 @@ enum class StartMethod : std::uint8_t {
 };
 
 struct LiveTrackingOptions {
-  BodySurfaceOptions depth;
+  BodySurfaceOptions depth = {.far_mm = kHandHeldFarMm};
   RegistrationOptions registration;
   TrackingOptions tracking;
   StartMethod start = StartMethod::kAutomatic;
