@@ -16,6 +16,7 @@ using Keeps = std::function<bool(const BoundSample&, const BoundTarget&)>;
 
 BoundCoverage line(const BoundRuns& runs,
                    const BoundCalibration& calibration,
+                   double told_bias_mm,
                    std::string name,
                    const Keeps& keeps) {
   BoundCoverage result;
@@ -24,7 +25,8 @@ BoundCoverage line(const BoundRuns& runs,
   std::vector<double> bounds_mm;
   int held = 0;
   for (const auto& sample : runs.samples) {
-    const auto pose = pose_covariance(sample.information, calibration);
+    const auto pose = pose_covariance(
+        sample.information, with_sensor_bias(calibration, told_bias_mm, sample.distance_mm));
     if (!pose) continue;
     const std::size_t before = errors_mm.size();
     for (const auto& target : sample.targets) {
@@ -67,7 +69,7 @@ std::vector<BoundCoverage> bound_coverage(const BoundRuns& runs,
   };
   std::vector<BoundCoverage> lines;
   const auto add = [&](std::string name, const Keeps& keeps) {
-    auto made = line(runs, calibration, std::move(name), keeps);
+    auto made = line(runs, calibration, 0.0, std::move(name), keeps);
     if (made.num_targets > 0) lines.push_back(std::move(made));
   };
   add("all without bias", [&](const auto& sample, const auto&) { return counts(sample); });
@@ -79,7 +81,8 @@ std::vector<BoundCoverage> bound_coverage(const BoundRuns& runs,
     add(group.name, in_group);
     if (group.bias_mm == 0.0) continue;
     auto told = line(runs,
-                     with_sensor_bias(calibration, group.bias_mm),
+                     calibration,
+                     group.bias_mm,
                      group.name + ", told to the bound",
                      in_group);
     if (told.num_targets > 0) lines.push_back(std::move(told));

@@ -39,10 +39,14 @@ BoundCalibration default_bound_calibration() {
           .floor_mm = 0.0};
 }
 
-BoundCalibration with_sensor_bias(const BoundCalibration& calibration, double sensor_bias_mm) {
+BoundCalibration with_sensor_bias(const BoundCalibration& calibration,
+                                  double sensor_bias_mm,
+                                  double distance_mm) {
   constexpr double kSharedByAll = 0.12;
+  constexpr double kGrowsFromMm = 800.0;
+  const double there_mm = sensor_bias_mm * std::max(1.0, distance_mm / kGrowsFromMm);
   BoundCalibration result = calibration;
-  result.systematic_mm = std::hypot(calibration.systematic_mm, kSharedByAll * sensor_bias_mm);
+  result.systematic_mm = std::hypot(calibration.systematic_mm, kSharedByAll * there_mm);
   return result;
 }
 

@@ -37,10 +37,12 @@ struct BoundCalibration {
 [[nodiscard]] BoundCalibration default_bound_calibration();
 
 /// The same for a sensor whose depth errs systematically, smoothly over the picture, by so much
-/// (root mean square): like an error of 0.12 of that which all readings share, found by the same
-/// study.
+/// (root mean square) up to 0.8 m, and beyond that in proportion to the distance: like an error of
+/// 0.12 of that which all readings share, found by the same study.
+/// @param distance_mm  Of the skin seen from the camera.
 [[nodiscard]] BoundCalibration with_sensor_bias(const BoundCalibration& calibration,
-                                                double sensor_bias_mm);
+                                                double sensor_bias_mm,
+                                                double distance_mm);
 
 /// (k sigma^2 (1 + g u) + W b^2) M^-1 + floor, where M is the information, k the readings that
 /// count as one, sigma the residual over the expected noise, not below the least, u the share of

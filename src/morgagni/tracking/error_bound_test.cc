@@ -80,12 +80,14 @@ TEST(PoseCovariance, ASystematicErrorDoesNotAverageOut) {
 
 TEST(PoseCovariance, AToldBiasWidensTheBoundInProportion) {
   const auto data = information(1e4 * lopsided());
-  const auto bound_mm = [&](double bias_mm) {
-    return error_bound_mm(*pose_covariance(data, with_sensor_bias(kPlain, bias_mm)),
+  const auto bound_mm = [&](double bias_mm, double distance_mm) {
+    return error_bound_mm(*pose_covariance(data, with_sensor_bias(kPlain, bias_mm, distance_mm)),
                           {60.0, 0.0, 0.0});
   };
-  EXPECT_NEAR(bound_mm(4.0) / bound_mm(2.0), 2.0, 0.1);
-  EXPECT_EQ(with_sensor_bias(kPlain, 0.0).systematic_mm, kPlain.systematic_mm);
+  EXPECT_NEAR(bound_mm(4.0, 600.0) / bound_mm(2.0, 600.0), 2.0, 0.1);
+  EXPECT_EQ(bound_mm(2.0, 600.0), bound_mm(2.0, 800.0)) << "nearer it is taken as told";
+  EXPECT_NEAR(bound_mm(2.0, 1200.0) / bound_mm(2.0, 800.0), 1.5, 0.1);
+  EXPECT_EQ(with_sensor_bias(kPlain, 0.0, 800.0).systematic_mm, kPlain.systematic_mm);
 }
 
 TEST(PoseCovariance, IsNoneWhereADirectionIsOpen) {

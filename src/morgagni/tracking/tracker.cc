@@ -241,9 +241,11 @@ Result<Tracker::Attempt> Tracker::attempt(const Scene& scene,
   made.judgement = judged(made);
   // A bias is no doubt of a frame; it only makes each pose less exact.
   if (made.covariance && options_.sensor_bias_mm > 0.0) {
-    made.covariance =
-        pose_covariance(*made.result.information,
-                        with_sensor_bias(default_bound_calibration(), options_.sensor_bias_mm));
+    const double distance_mm =
+        (made.result.fixed_from_moving.translation() - made.skin.seen_center_mm).norm();
+    made.covariance = pose_covariance(
+        *made.result.information,
+        with_sensor_bias(default_bound_calibration(), options_.sensor_bias_mm, distance_mm));
   }
   judgement_ms_ += ms_since(judgement_started);
   return made;
