@@ -166,6 +166,7 @@ Result<void> Evaluation::add_frame(const RgbdFrame& frame, const Eigen::Isometry
 EvaluationReport Evaluation::report() const {
   EvaluationReport report;
   report.method = options_.registration.method;
+  report.device = registration_.device_name();
   report.num_frames = num_frames_;
   report.num_starts = options_.num_starts;
   report.success_mm = options_.success_mm;
@@ -331,6 +332,7 @@ std::string to_json(const EvaluationReport& report) {
   };
   nlohmann::ordered_json json = {
       {"method", to_string(report.method)},
+      {"device", report.device},
       {"frames", report.num_frames},
       {"starts", report.num_starts},
       {"success_rate", report.success_rate},

@@ -57,6 +57,7 @@ struct EvaluationFrame {
 
 struct EvaluationReport {
   RegistrationMethod method = RegistrationMethod::kField;
+  std::string device = "cpu";  ///< Where it ran at the end (FineRegistration::device_name()).
   int num_frames = 0;  ///< With a truth, and so registered.
   int num_starts = 0;
   int num_frames_without_truth = 0;
@@ -99,7 +100,7 @@ struct EvaluationReport {
     const EvaluationOptions& options,
     const Progress& progress);
 
-/// {"method","frames","starts","success_rate","tre_mm":{mean,sd,median,p95,max},"tre_success_mm",
+/// {"method","device","frames","starts","success_rate","tre_mm":{mean,sd,median,p95,max},"tre_success_mm",
 /// "registration_ms":{median,p95},"registration_cpu_ms":{median,p95},"points",
 /// "difficulty":[{frame,bare_share,least_tre_mm}],"runs":[{frame,tre_mm,cpu_ms}]}. An infinite
 /// bound is null.

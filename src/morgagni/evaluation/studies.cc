@@ -112,18 +112,18 @@ class Studies {
   /// A device that is not there leaves an empty column and its reason.
   [[nodiscard]] Result<void> add_column(Prepared& prepared, const StudyMethod& method) const {
     StudyColumn column{method, {}, {}};
-    // Without any device registration would take the CPU instead: that is not what was asked.
-    if (method.device != "cpu" && list_compute_devices().empty()) {
-      column.not_run = "there is no OpenCL device";
-      prepared.study.columns.push_back(std::move(column));
-      return {};
-    }
     RegistrationOptions registration_options;
     registration_options.method = method.method;
     registration_options.device = method.device;
     const auto registration = make_fine_registration(body_.skin, registration_options);
+    // Where a device is missing or fails the CPU takes over: that is not what was asked.
+    const auto is_on_cpu_instead = [&] {
+      return method.device != "cpu" && (*registration)->device_name() == "cpu";
+    };
     if (!registration) {
       column.not_run = registration.error().message;
+    } else if (is_on_cpu_instead()) {
+      column.not_run = "there is no OpenCL device that works";
     } else {
       MOR_TRY(
           auto extractor,
@@ -131,14 +131,12 @@ class Studies {
                                        {.down_sampling = method.down_sampling,
                                         .averages = method.method == RegistrationMethod::kField}));
       for (const auto& pose : prepared.poses) {
-        const auto run = this->run(pose, prepared.internal, extractor, **registration);
-        if (!run && run.error().code != ErrorCode::kDevice) return tl::unexpected(run.error());
-        if (!run) {
-          column.runs.clear();
-          column.not_run = run.error().message;
-          break;
-        }
-        column.runs.push_back(*run);
+        MOR_TRY(const auto run, this->run(pose, prepared.internal, extractor, **registration));
+        column.runs.push_back(run);
+      }
+      if (is_on_cpu_instead()) {
+        column.runs.clear();
+        column.not_run = "the OpenCL device failed, the CPU took over";
       }
     }
     prepared.study.columns.push_back(std::move(column));

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "morgagni/compute/compute_device.h"
 #include "morgagni/evaluation/studies_markdown.h"
 #include "morgagni/evaluation/study_plots.h"
 #include "morgagni/evaluation/target_sampling.h"
@@ -57,6 +58,28 @@ std::vector<StudyPose> poses_with(const TaggingOptions& tagging) {
   const auto camera = SimulatedCamera::create(shared, options).value();
   const auto markers = sample_skin_targets(skin, 22, 1).value();
   return draw_study_poses(skin, *camera, options, markers, tagging, 3).value();
+}
+
+/// A column of the device, or the reason why there is none: never the CPU's under its name.
+TEST(Studies, RunOnOpenclOrSayWhyNot) {
+  auto options = short_options();
+  options.runs_opencl = true;
+  options.num_poses = 1;
+  options.down_samplings = {4.0};
+  const auto report = run_studies(bumpy_case(), {}, options, silent);
+  ASSERT_TRUE(report) << report.error().message;
+  int num_opencl = 0;
+  for (const auto& column : report->phantom.columns) {
+    if (column.method.device == "cpu") continue;
+    ++num_opencl;
+    EXPECT_EQ(column.runs.empty(), !column.not_run.empty());
+    if (list_compute_devices().empty()) {
+      EXPECT_THAT(column.not_run, HasSubstr("no OpenCL device"));
+    } else {
+      EXPECT_EQ(column.not_run, "");
+    }
+  }
+  EXPECT_GT(num_opencl, 0);
 }
 
 TEST(StudyPoses, ExactTaggingMeetsTheTruth) {

@@ -66,9 +66,9 @@ class LiveLoopTest : public testing::Test {
   }
 
   /// The body is an egg: no search could tell its poses apart, so it is placed.
-  void start_simulated(StartMethod method = StartMethod::kPlacement) {
+  void start_simulated() {
     LiveLoopOptions options;
-    options.start = method;
+    options.start = StartMethod::kPlacement;
     start_simulated("simulated:", options);
   }
 
@@ -326,10 +326,22 @@ TEST_F(LiveLoopTest, FollowsABodyBeyondOneMetre) {
 }
 
 TEST_F(LiveLoopTest, SearchesForTheBodyAndSaysWhyItFindsNone) {
-  start_simulated(StartMethod::kAutomatic);
+  const auto calibration = std::make_shared<const RgbdCalibration>(RgbdCalibration{
+      {160, 120, 130.0, 130.0, 79.5, 59.5, {}}, {160, 120, 130.0, 130.0, 79.5, 59.5, {}}, {}});
+  start(std::make_unique<ToldCamera>([calibration, id = 0U](std::stop_token) mutable {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    auto frame = std::make_shared<RgbdFrame>();
+    frame->frame_id = id++;
+    frame->captured_at = std::chrono::steady_clock::now();
+    frame->calibration = calibration;
+    frame->color = Image<Rgb8>(160, 120);
+    frame->depth_mm = Image<std::uint16_t>(160, 120);
+    std::fill_n(frame->depth_mm.data(), frame->depth_mm.size(), std::uint16_t{500});
+    return ToldCamera::Frame(std::move(frame));  // A wall.
+  }));
   EXPECT_TRUE(eventually([this] {
-    const auto status = loop_->status();
-    return status.search.last || status.last.state == TrackingState::kTracking;
+    const auto search = loop_->status().search;
+    return search.last == AutomaticStartStatus::kNotFound && !search.reason.empty();
   }));
   EXPECT_TRUE(eventually([this] {
     const std::lock_guard lock(mutex_);
