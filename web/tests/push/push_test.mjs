@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Pushes to `morgagni record --camera push:` with the stock Foxglove client, with examples/push_realsense.py around
-// a pretended camera, and as somebody hostile would; what was recorded is read with @mcap/core.
+// Pushes to `morgagni record --camera push:` with the stock Foxglove client, with examples/push_realsense.py and
+// push_azure_kinect.py around pretended cameras, and as somebody hostile would; what was recorded is read with @mcap/core.
 // Usage: push_test.mjs MORGAGNI
 
 import assert from 'node:assert/strict';
@@ -165,9 +165,10 @@ async function testStockClient() {
   }
 }
 
-async function testPythonExample() {
-  const recording = await Recording.start('realsense', 'push:0', 4);
-  const python = spawn('/usr/bin/python3', ['examples/push_realsense.py', recording.address],
+/** What is recorded of an example around its pretended camera. */
+async function recordExample(name) {
+  const recording = await Recording.start(name, 'push:0', 4);
+  const python = spawn('/usr/bin/python3', [`examples/push_${name}.py`, recording.address],
     { env: { ...process.env, PYTHONPATH: 'web/tests/push/fake' }, stdio: ['ignore', 'inherit', 'pipe'] });
   const complaints = [];
   createInterface(python.stderr).on('line', (line) => complaints.push(line));
@@ -176,10 +177,21 @@ async function testPythonExample() {
   assert.ok(recorded, `the example pushed nothing:\n${complaints.join('\n')}\n${recording.log.join('\n')}`);
   const pixels = new Uint16Array(recorded['/camera/depth/image_raw'][0].data.slice().buffer);
   assert.deepEqual([pixels[0], pixels[1], pixels.at(-1)], [0, 801, 801]);
-  assert.equal(recorded.calibration.depth.fy, 601.5);
-  assert.equal(recorded.calibration.color.fx, 610.5);
-  const rows = recorded.calibration.color_from_depth.map((row) => row.map((value) => Math.round(value * 1e6) / 1e6 + 0));
-  assert.deepEqual(rows, [[0, -1, 0, 15], [1, 0, 0, 0], [0, 0, 1, 1]]);
+  const { depth, color, color_from_depth } = recorded.calibration;
+  const rows = color_from_depth.map((row) => row.map((value) => Math.round(value * 1e6) / 1e6 + 0));
+  return { depth, color, rows };
+}
+
+async function testPythonExamples() {
+  const realsense = await recordExample('realsense');
+  assert.equal(realsense.depth.fy, 601.5);
+  assert.equal(realsense.color.fx, 610.5);
+  assert.deepEqual(realsense.rows, [[0, -1, 0, 15], [1, 0, 0, 0], [0, 0, 1, 1]]);
+  const azure = await recordExample('azure_kinect');
+  const none = [0, 0, 0, 0, 0];
+  assert.deepEqual(azure.depth, { width: 640, height: 576, fx: 504.5, fy: 505.5, cx: 319.5, cy: 239.25, distortion: none });
+  assert.deepEqual(azure.color, { width: 1280, height: 720, fx: 610.5, fy: 611.5, cx: 319.5, cy: 239.25, distortion: none });
+  assert.deepEqual(azure.rows, [[0, -1, 0, -32], [1, 0, 0, -2], [0, 0, 1, 4]]);
 }
 
 /** What is kept of a device that says who it is takes the place of its own word. */
@@ -390,7 +402,7 @@ async function testFlood() {
 }
 
 try {
-  const tests = { testStockClient, testPythonExample, testKeptCalibration, testWhatIsRefused, testToken, testVanishing, testFiveHundredTimes, testFlood };
+  const tests = { testStockClient, testPythonExamples, testKeptCalibration, testWhatIsRefused, testToken, testVanishing, testFiveHundredTimes, testFlood };
   for (const [name, test] of Object.entries(tests)) {
     await Promise.race([test(), sleep(90000).then(() => Promise.reject(new Error(`${name} takes too long`)))]);
     console.log(`ok ${name}`);
