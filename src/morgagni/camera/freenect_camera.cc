@@ -27,6 +27,10 @@ constexpr std::uint64_t kTicksPerSecond = 60'000'000;  // Of the device's clock,
 /// Half a frame apart: the colour picture belongs to the depth picture.
 constexpr std::uint32_t kMaxPairingTicks = kTicksPerSecond / 40;
 constexpr timeval kPoll{0, 100'000};
+/// Without a whole frame for so long it fails, and can be opened anew: a device that starts has the
+/// time, and the watch (watched_camera.h) has not yet left the driver behind with the device in
+/// use.
+constexpr std::chrono::milliseconds kPatience{1500};
 
 tl::unexpected<Error> device_error(std::string message) {
   return make_error(ErrorCode::kDevice, std::move(message));
@@ -160,11 +164,13 @@ class FreenectCamera final : public RangeCamera {
 
   Result<std::shared_ptr<const RgbdFrame>> next_frame(std::stop_token stop) override {
     std::unique_lock lock(mutex_);
-    const bool has_come =
-        changed_.wait(lock, stop, [this] { return next_ != nullptr || is_gone_; });
-    if (!has_come) return nullptr;
+    sends_depth_ = sends_color_ = false;
+    changed_.wait_until(
+        lock, stop, Clock::now() + kPatience, [this] { return next_ != nullptr || is_gone_; });
     if (next_) return std::exchange(next_, nullptr);
-    return device_error("the Kinect is gone: is its plug out, or its power?");
+    if (is_gone_) return device_error("the Kinect is gone: is its plug out, or its power?");
+    if (stop.stop_requested()) return nullptr;
+    return device_error(why_silent());
   }
 
   const RgbdCalibration& calibration() const override { return *calibration_; }
@@ -190,7 +196,23 @@ class FreenectCamera final : public RangeCamera {
     changed_.notify_all();
   }
 
+  /// Needs the lock.
+  [[nodiscard]] std::string why_silent() const {
+    if (sends_depth_ && sends_color_) {
+      return "the Kinect's colour and depth are stamped too far apart";
+    }
+    if (sends_color_) return "the Kinect sends no depth pictures";
+    if (sends_depth_) return "the Kinect sends no colour pictures";
+    return "the Kinect sends no pictures: is its plug out, or its power?";
+  }
+
+  void note(bool& is_sent) {
+    const std::lock_guard lock(mutex_);
+    is_sent = true;
+  }
+
   void take_color(const void* rgb, std::uint32_t ticks) {
+    note(sends_color_);
     color_ = Image<Rgb8>(kKinectWidthPx, kKinectHeightPx);
     std::memcpy(static_cast<void*>(color_.data()), rgb, kKinectPixels * sizeof(Rgb8));
     color_ticks_ = ticks;
@@ -198,6 +220,7 @@ class FreenectCamera final : public RangeCamera {
   }
 
   void take_depth(const std::uint16_t* raw, std::uint32_t ticks) {
+    note(sends_depth_);
     auto frame = std::make_shared<RgbdFrame>();
     frame->captured_at = Clock::now();
     frame->device_time = counter_.time(ticks);
@@ -242,10 +265,11 @@ class FreenectCamera final : public RangeCamera {
   TickCounter counter_;
   std::uint64_t next_id_ = 0;
 
-  std::mutex mutex_;  ///< Guards the two below.
+  std::mutex mutex_;  ///< Guards those below, down to the next blank line.
   std::condition_variable_any changed_;
   std::shared_ptr<const RgbdFrame> next_;
   bool is_gone_ = false;
+  bool sends_depth_ = false, sends_color_ = false;  ///< Since a frame is waited for.
 
   std::jthread events_;
 };

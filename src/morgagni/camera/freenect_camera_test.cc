@@ -85,6 +85,19 @@ class Fakenect : public testing::Test {
     }
   }
 
+  /// Three seconds with depth ('d') or colour ('r') alone.
+  void write_dump_of(char letter) const {
+    std::ofstream index(home_ / "INDEX.txt");
+    for (int i = 0; i < 30; ++i) {
+      const auto name = std::string(1, letter) + "-" + std::to_string(1.3e9 + 0.1 * i) + "-" +
+                        std::to_string(i) + (letter == 'd' ? ".pgm" : ".ppm");
+      write_picture(index, name, [&](auto& out) {
+        out << (letter == 'd' ? "P5 640 480 65535\n" : "P6 640 480 255\n")
+            << std::string(internal::kKinectPixels * (letter == 'd' ? 2 : 3), '\1');
+      });
+    }
+  }
+
   template <class Write>
   void write_picture(std::ofstream& index, const std::string& name, const Write& write) const {
     index << name << "\n";
@@ -127,6 +140,20 @@ TEST_F(Fakenect, GivesMillimetresColourAndTheDevicesClock) {
   EXPECT_GE(num_frames, 1U);
   EXPECT_THAT(frame.error().message, HasSubstr("the Kinect is gone"));
   EXPECT_EQ(frame.error().code, ErrorCode::kDevice);
+}
+
+TEST_F(Fakenect, AKinectOfWhichOnePictureIsMissingIsSaidAndOpensAgain) {
+  for (const auto& [letter, sentence] :
+       {std::pair{'r', "sends no depth pictures"}, {'d', "sends no colour pictures"}}) {
+    write_dump_of(letter);
+    for (int i = 0; i < 2; ++i) {
+      const auto camera = open_freenect({.library = kFakenect}).value();
+      const auto frame = camera->next_frame({});
+      ASSERT_FALSE(frame);
+      EXPECT_EQ(frame.error().code, ErrorCode::kDevice);
+      EXPECT_THAT(frame.error().message, HasSubstr(sentence));
+    }
+  }
 }
 
 TEST_F(Fakenect, TakesACalibrationFile) {

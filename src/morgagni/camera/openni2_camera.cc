@@ -23,6 +23,10 @@ using internal::Openni2Library;
 constexpr int kPollMs = 100;
 /// A device that is silent for so long is gone: OpenNI2 says nothing of it to whoever waits.
 constexpr int kMaxSilentPolls = 7;
+/// Without a whole frame for so long it fails, and can be opened anew: a device that starts has the
+/// time, and the watch (watched_camera.h) has not yet left the driver behind with the device in
+/// use.
+constexpr std::chrono::milliseconds kPatience{1500};
 constexpr std::uint64_t kMaxPairingUs = 25'000;  // Half a frame and some.
 constexpr double kColorDistanceMm = 25.0;
 constexpr int kMaxSidePx = 4096;
@@ -216,6 +220,8 @@ class Openni2Camera final : public RangeCamera {
   }
 
   Result<std::shared_ptr<const RgbdFrame>> next_frame(std::stop_token stop) override {
+    const auto until = std::chrono::steady_clock::now() + kPatience;
+    sent_ = {};
     int silent = 0;
     while (!stop.stop_requested()) {
       OniStreamHandle streams[] = {depth_->handle(), color_->handle()};  // NOLINT: C interface
@@ -231,6 +237,10 @@ class Openni2Camera final : public RangeCamera {
       if (ready == 1) take_color();
       if (auto frame = paired()) return frame;
       if (has_ended_) return nullptr;
+      // A recording may have a gap, and ends by itself.
+      if (!is_recording_ && std::chrono::steady_clock::now() > until) {
+        return device_error(why_silent());
+      }
     }
     return nullptr;
   }
@@ -239,6 +249,19 @@ class Openni2Camera final : public RangeCamera {
   std::string device_id() const override { return device_id_; }
 
  private:
+  /// Since a frame is waited for.
+  struct Sent {
+    bool depth = false, color = false, damaged_depth = false, damaged_color = false;
+  };
+
+  [[nodiscard]] std::string why_silent() const {
+    if (sent_.damaged_depth) return "the camera sends damaged depth pictures";
+    if (sent_.damaged_color) return "the camera sends damaged colour pictures";
+    if (!sent_.depth) return "the camera sends no depth pictures";
+    if (!sent_.color) return "the camera sends no colour pictures";
+    return "the camera's colour and depth are stamped too far apart";
+  }
+
   std::string serial_number() const {
     std::array<char, 64> serial{};
     int size = static_cast<int>(serial.size()) - 1;
@@ -267,7 +290,9 @@ class Openni2Camera final : public RangeCamera {
 
   void take_depth() {
     const auto frame = depth_->read();
-    if (!frame || !depth_->is_whole(*frame, sizeof(std::uint16_t))) return;
+    sent_.damaged_depth = !frame || !depth_->is_whole(*frame, sizeof(std::uint16_t));
+    if (sent_.damaged_depth) return;
+    sent_.depth = true;
     waiting_depth_ = depth_->picture<std::uint16_t>(*frame);
     if (depth_->is_in_tenths()) {
       for (std::size_t i = 0; i < waiting_depth_.size(); ++i) {
@@ -283,7 +308,9 @@ class Openni2Camera final : public RangeCamera {
 
   void take_color() {
     const auto frame = color_->read();
-    if (!frame || !color_->is_whole(*frame, sizeof(Rgb8))) return;
+    sent_.damaged_color = !frame || !color_->is_whole(*frame, sizeof(Rgb8));
+    if (sent_.damaged_color) return;
+    sent_.color = true;
     newest_color_ = color_->picture<Rgb8>(*frame);
     color_us_ = frame->timestamp;
   }
@@ -310,6 +337,7 @@ class Openni2Camera final : public RangeCamera {
   bool is_recording_ = false;
   bool has_ended_ = false;
   int last_frame_ = 0;
+  Sent sent_;
   std::uint64_t next_id_ = 0;
   Image<std::uint16_t> waiting_depth_;
   Image<Rgb8> newest_color_;

@@ -122,6 +122,23 @@ TEST_F(Openni2, ADeviceThatFallsSilentIsSaid) {
   EXPECT_THAT(frame.error().message, HasSubstr("is its plug out?"));
 }
 
+TEST_F(Openni2, ADeviceThatSendsButNoWholeFramesIsSaidAndOpensAgain) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"colour-only", "sends no depth pictures"},
+      {"damaged", "sends damaged depth pictures"},
+      {"apart", "stamped too far apart"}};
+  for (const auto& [kind, sentence] : cases) {
+    for (int i = 0; i < 2; ++i) {
+      const auto camera = open("morgagni-test/" + kind);
+      ASSERT_TRUE(camera) << camera.error().message;
+      auto frame = (*camera)->next_frame({});
+      while (frame && *frame) frame = (*camera)->next_frame({});
+      ASSERT_FALSE(frame);
+      EXPECT_THAT(frame.error().message, HasSubstr(sentence));
+    }
+  }
+}
+
 TEST_F(Openni2, PlaysAnOniFileToItsEnd) {
   const auto file = record();
   ASSERT_TRUE(fs::exists(file));

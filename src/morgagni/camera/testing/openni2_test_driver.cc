@@ -4,7 +4,9 @@
 // A driver for OpenNI2 with one device, which sends small pictures whose numbers a test knows:
 // depth 700 + frame in all pixels but the first (0) and the second (1000), colour {frame, 20, 30}
 // but the first {200, 0, 0}. The device is called "morgagni-test"; with "/mirrored" after it, it
-// mirrors and cannot be told not to. With "/silent" it sends ten frames and then nothing.
+// mirrors and cannot be told not to. With "/silent" it sends ten frames and then nothing, with
+// "/colour-only" no depth after the tenth, with "/damaged" depth of half a picture, and with
+// "/apart" colour stamped half a second late.
 
 #include <atomic>
 #include <chrono>
@@ -31,8 +33,14 @@ OniVideoMode mode_of(OniSensorType sensor) {
 
 class TestStream : public oni::driver::StreamBase {
  public:
-  TestStream(OniSensorType sensor, bool is_mirrored, int num_frames)
-      : sensor_(sensor), is_mirrored_(is_mirrored), num_frames_(num_frames) {}
+  TestStream(OniSensorType sensor, const std::string& uri)
+      : sensor_(sensor),
+        is_mirrored_(uri.ends_with("/mirrored")),
+        is_damaged_(sensor == ONI_SENSOR_DEPTH && uri.ends_with("/damaged")),
+        late_us_(sensor == ONI_SENSOR_COLOR && uri.ends_with("/apart") ? 500'000 : 0) {
+    const bool stops = sensor == ONI_SENSOR_DEPTH && uri.ends_with("/colour-only");
+    if (stops || uri.ends_with("/silent")) num_frames_ = 10;
+  }
   ~TestStream() override { stop(); }
 
   OniStatus start() override {
@@ -91,7 +99,7 @@ class TestStream : public oni::driver::StreamBase {
       OniFrame* frame = getServices().acquireFrame();
       if (frame == nullptr) continue;
       frame->frameIndex = i;
-      frame->timestamp = static_cast<std::uint64_t>(i) * 10'000;
+      frame->timestamp = static_cast<std::uint64_t>(i) * 10'000 + late_us_;
       frame->sensorType = sensor_;
       frame->videoMode = mode_of(sensor_);
       frame->width = kWidth;
@@ -103,6 +111,7 @@ class TestStream : public oni::driver::StreamBase {
       } else {
         fill_color(*frame, i);
       }
+      if (is_damaged_) frame->height /= 2;
       raiseNewFrame(frame);
       getServices().releaseFrame(frame);
     }
@@ -127,15 +136,16 @@ class TestStream : public oni::driver::StreamBase {
 
   OniSensorType sensor_;
   bool is_mirrored_;
-  int num_frames_;
+  bool is_damaged_;
+  std::uint64_t late_us_;
+  int num_frames_ = 0;  ///< 0: no end.
   std::atomic<bool> is_running_ = false;
   std::thread thread_;
 };
 
 class TestDevice : public oni::driver::DeviceBase {
  public:
-  explicit TestDevice(const std::string& uri)
-      : is_mirrored_(uri.ends_with("/mirrored")), num_frames_(uri.ends_with("/silent") ? 10 : 0) {}
+  explicit TestDevice(std::string uri) : uri_(std::move(uri)) {}
 
   OniStatus getSensorInfoList(OniSensorInfo** sensors, int* count) override {
     *sensors = sensors_;
@@ -143,13 +153,12 @@ class TestDevice : public oni::driver::DeviceBase {
     return ONI_STATUS_OK;
   }
   oni::driver::StreamBase* createStream(OniSensorType sensor) override {
-    return new TestStream(sensor, is_mirrored_, num_frames_);  // NOLINT: OpenNI2 owns it
+    return new TestStream(sensor, uri_);  // NOLINT: OpenNI2 owns it
   }
   void destroyStream(oni::driver::StreamBase* stream) override { delete stream; }  // NOLINT
 
  private:
-  bool is_mirrored_;
-  int num_frames_;
+  std::string uri_;
   OniVideoMode modes_[2] = {mode_of(ONI_SENSOR_DEPTH), mode_of(ONI_SENSOR_COLOR)};
   OniSensorInfo sensors_[2] = {{ONI_SENSOR_DEPTH, 1, &modes_[0]},
                                {ONI_SENSOR_COLOR, 1, &modes_[1]}};
@@ -164,9 +173,9 @@ class TestDriver : public oni::driver::DriverBase {
                        oni::driver::DeviceStateChangedCallback changed,
                        void* cookie) override {
     DriverBase::initialize(connected, disconnected, changed, cookie);
-    for (const char* uri : {kUri, "morgagni-test/mirrored", "morgagni-test/silent"}) {
+    for (const char* kind : {"", "/mirrored", "/silent", "/colour-only", "/damaged", "/apart"}) {
       OniDeviceInfo info{};
-      std::strncpy(info.uri, uri, ONI_MAX_STR - 1);
+      std::strncpy(info.uri, (std::string(kUri) + kind).c_str(), ONI_MAX_STR - 1);
       std::strncpy(info.vendor, "Morgagni", ONI_MAX_STR - 1);
       std::strncpy(info.name, "Test", ONI_MAX_STR - 1);
       deviceConnected(&info);
