@@ -235,6 +235,10 @@ Result<void> McapRecorder::add(const RgbdFrame& given, const std::optional<Found
   return impl.end_chunk();
 }
 
+Result<void> McapRecorder::flush() {
+  return impl_->end_chunk();
+}
+
 Result<void> McapRecorder::finish() {
   MOR_CHECK(impl_->end_chunk());
   return impl_->writer.finish();

@@ -65,6 +65,9 @@ class McapRecorder {
   ///         size, captured before the last frame), kIo (disk full: says how much is kept).
   [[nodiscard]] Result<void> add(const RgbdFrame& frame, const std::optional<FoundPose>& pose = {});
 
+  /// Puts on disk what is still in memory, as a chunk of its own. @errors kIo, as add().
+  [[nodiscard]] Result<void> flush();
+
   /// Writes the summary, without which tools must look through the file. @errors kIo.
   [[nodiscard]] Result<void> finish();
 

@@ -7,6 +7,8 @@
 namespace mor {
 namespace {
 
+/// As long as a chunk: the camera has stopped, and nobody else would end the open one.
+constexpr std::chrono::milliseconds kFlushAfter{500};
 constexpr std::size_t kMaxWaiting = 60;  ///< Two seconds; 92 MB of 640x480 frames.
 
 }  // namespace
@@ -57,13 +59,18 @@ RecordingProgress RecordingThread::finish() {
 void RecordingThread::write() {
   std::unique_lock lock(mutex_);
   while (true) {
-    filled_.wait(lock, [this] { return !waiting_.empty() || is_ending_; });
-    if (waiting_.empty()) break;
-    const auto item = std::move(waiting_.front());
-    waiting_.pop_front();
-    lock.unlock();
-    emptied_.notify_one();
-    write_one(item);
+    filled_.wait_for(lock, kFlushAfter, [this] { return !waiting_.empty() || is_ending_; });
+    if (waiting_.empty() && is_ending_) break;
+    if (waiting_.empty()) {
+      lock.unlock();
+      heed(recorder_.flush());
+    } else {
+      const auto item = std::move(waiting_.front());
+      waiting_.pop_front();
+      lock.unlock();
+      emptied_.notify_one();
+      write_one(item);
+    }
     lock.lock();
     if (progress_.error) {
       waiting_.clear();
@@ -71,24 +78,23 @@ void RecordingThread::write() {
     }
   }
   lock.unlock();
-  const auto finished = recorder_.finish();
-  lock.lock();
-  progress_.num_frames = recorder_.num_frames();
-  progress_.num_bytes = recorder_.num_bytes();
-  if (!finished && !progress_.error) progress_.error = finished.error();
+  heed(recorder_.finish());
 }
 
 void RecordingThread::write_one(const Item& item) {
   const auto added = recorder_.add(*item.frame, item.pose);
+  heed(added);
+  if (!added) return;
+  const std::lock_guard lock(mutex_);
+  if (!first_captured_at_) first_captured_at_ = item.frame->captured_at;
+  progress_.duration = item.frame->captured_at - *first_captured_at_;
+}
+
+void RecordingThread::heed(const Result<void>& written) {
   const std::lock_guard lock(mutex_);
   progress_.num_frames = recorder_.num_frames();
   progress_.num_bytes = recorder_.num_bytes();
-  if (!added) {
-    if (!progress_.error) progress_.error = added.error();
-    return;
-  }
-  if (!first_captured_at_) first_captured_at_ = item.frame->captured_at;
-  progress_.duration = item.frame->captured_at - *first_captured_at_;
+  if (!written && !progress_.error) progress_.error = written.error();
 }
 
 }  // namespace mor

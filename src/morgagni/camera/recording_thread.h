@@ -23,6 +23,7 @@ struct RecordingProgress {
 };
 
 /// Packs and writes frames in a thread of its own, so that whoever has them never waits for a disk.
+/// Half a second without a frame, and all there were are on disk.
 class RecordingThread {
  public:
   explicit RecordingThread(McapRecorder recorder);
@@ -48,6 +49,7 @@ class RecordingThread {
 
   void write();
   void write_one(const Item& item);
+  void heed(const Result<void>& written);
 
   McapRecorder recorder_;     ///< The thread's alone.
   mutable std::mutex mutex_;  ///< Guards everything down to the next blank line.

@@ -43,6 +43,25 @@ TEST_F(RecordingThreadTest, NoneOfThePutFramesIsLost) {
   EXPECT_EQ(thread.finish().num_frames, 300U);
 }
 
+TEST_F(RecordingThreadTest, ACameraThatStopsLeavesNoFrameInMemory) {
+  RecordingThread thread(McapRecorder::create(path_, {}).value());
+  const auto num_readable = [&] {
+    const auto recording = McapRecording::open(path_);
+    return recording ? recording->size() : 0;
+  };
+  // Less than a chunk, and again after the silence.
+  for (const std::uint64_t count : {5U, 9U}) {
+    for (auto i = thread.progress().num_frames; i < count; ++i) thread.put(frame(i));
+    const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (num_readable() < count && std::chrono::steady_clock::now() < until) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    EXPECT_EQ(num_readable(), count) << "without finish()";
+  }
+  EXPECT_EQ(thread.finish().num_frames, 9U);
+  EXPECT_EQ(num_readable(), 9U);
+}
+
 TEST_F(RecordingThreadTest, OfferedFramesAreWrittenOrCounted) {
   RecordingThread thread(McapRecorder::create(path_, {.color = ColorCoding::kLossless}).value());
   for (std::uint64_t i = 0; i < 2000; ++i) thread.offer(frame(i));
