@@ -98,6 +98,12 @@ std::string cameras_text(const Findings& findings) {
                         camera.id,
                         camera.camera.empty() ? "" : ": --camera " + camera.camera);
     if (!camera.advice.empty()) text += fmt::format("    {}\n", camera.advice);
+    if (camera.camera.empty()) continue;
+    text += fmt::format("    {}\n",
+                        camera.device_id.empty()
+                            ? "its serial number is read when it is opened: what is kept for such "
+                              "is listed below"
+                            : calibration_of(findings, camera.device_id));
   }
   for (const auto& device : findings.video_devices) {
     text += fmt::format("  {}{}{}\n",

@@ -66,6 +66,14 @@ std::optional<fs::path> device_file(const fs::path& entry, const fs::path& devic
   return devices / fmt::format("{:03}", *bus) / fmt::format("{:03}", *device);
 }
 
+/// OpenNI2 asks the device itself, and libfreenect asks the microphones beside a Kinect whose
+/// camera has zeros.
+std::string device_id_of(const fs::path& entry, const UsbCamera& camera) {
+  const auto serial = word_of(entry / "serial");
+  if (camera.camera != "freenect:" || serial.find_first_not_of('0') == std::string::npos) return {};
+  return "freenect-" + serial;
+}
+
 std::string advice_for(const UsbCamera& camera) {
   if (camera.product.starts_with("RealSense")) {
     return "where the kernel runs it, it is among the video devices (--camera v4l2:/dev/videoN); "
@@ -94,6 +102,7 @@ std::vector<UsbCamera> list_usb_cameras(const fs::path& sysfs, const fs::path& d
     const auto file = device_file(entry.path(), devices);
     camera.is_allowed = file && access(file->c_str(), R_OK | W_OK) == 0;
     camera.advice = advice_for(camera);
+    camera.device_id = device_id_of(entry.path(), camera);
     cameras.push_back(std::move(camera));
   }
   std::ranges::sort(cameras, {}, &UsbCamera::id);

@@ -15,6 +15,8 @@ struct UsbCamera {
   std::string camera;       ///< What opens it: "freenect:". Empty: no driver.
   bool is_allowed = false;  ///< This user may use it.
   std::string advice = {};  ///< What to do before it can be used. Empty: nothing.
+  /// As RangeCamera::device_id() of the driver. Empty: only opening it tells.
+  std::string device_id = {};
 };
 
 /// Range cameras that are plugged in, as the kernel lists them; nothing is opened.

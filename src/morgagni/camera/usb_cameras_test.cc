@@ -22,13 +22,15 @@ class UsbCameras : public testing::Test {
   void plug_in(const std::string& name,
                const std::string& vendor,
                const std::string& product,
-               int number) const {
+               int number,
+               const std::string& serial = {}) const {
     const auto folder = home_ / "sys" / name;
     fs::create_directories(folder);
     std::ofstream(folder / "idVendor") << vendor << "\n";
     std::ofstream(folder / "idProduct") << product << "\n";
     std::ofstream(folder / "busnum") << "2\n";
     std::ofstream(folder / "devnum") << number << "\n";
+    if (!serial.empty()) std::ofstream(folder / "serial") << serial << "\n";
   }
   void allow(const std::string& number) const {
     fs::create_directories(home_ / "dev/002");
@@ -56,6 +58,19 @@ TEST_F(UsbCameras, KnowsThoseThatArePluggedInAndWhatOpensThem) {
   EXPECT_THAT(cameras[0].advice, IsEmpty());
   EXPECT_EQ(cameras[2].product, "RealSense D435i");
   EXPECT_THAT(cameras[2].advice, HasSubstr("push_realsense.py"));
+}
+
+TEST_F(UsbCameras, NamesADeviceAsItsDriverWillWhereTheBusTells) {
+  plug_in("2-1", "045e", "02ae", 1, "A00366A08793039A");
+  plug_in("2-2", "045e", "02bf", 2, "0000000000000000");
+  plug_in("2-3", "1d27", "0601", 3, "1206120041");
+  const auto cameras = list();
+  ASSERT_EQ(cameras.size(), 3U);
+  EXPECT_EQ(cameras[0].device_id, "freenect-A00366A08793039A");
+  EXPECT_THAT(cameras[1].device_id, IsEmpty()) << "libfreenect asks the microphones";
+  EXPECT_THAT(cameras[2].device_id, IsEmpty()) << "OpenNI2 has another number";
+  plug_in("2-1", "045e", "02ae", 1, "000");
+  EXPECT_THAT(list()[0].device_id, IsEmpty());
 }
 
 TEST_F(UsbCameras, SaysWhatToDoWhereThePermissionIsMissing) {
