@@ -74,6 +74,7 @@ class FakeDevice : public RangeCamera {
 
  private:
   std::shared_ptr<Desk> desk_;
+  std::ifstream file_{"/dev/null"};  ///< As a driver has its device open.
 };
 
 class WatchedCameraTest : public testing::Test {
@@ -234,8 +235,13 @@ int num_threads() {
   return -1;
 }
 
+std::ptrdiff_t num_files() {
+  return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {});
+}
+
 TEST_F(WatchedCameraTest, FiveHundredTimesUnpluggedAndBackLeavesNothingBehind) {
   const int threads_before = num_threads();
+  const auto files_before = num_files();
   {
     const auto camera = watch(
         {.silence = milliseconds(40), .retry = milliseconds(1), .give_up = milliseconds(5000)});
@@ -250,8 +256,10 @@ TEST_F(WatchedCameraTest, FiveHundredTimesUnpluggedAndBackLeavesNothingBehind) {
     EXPECT_EQ(desk_->num_open, 1);
     EXPECT_EQ(desk_->num_opened, 501);
     EXPECT_LE(num_threads(), threads_before + 1);
+    EXPECT_EQ(num_files(), files_before + 1) << "the device that is open";
   }
   EXPECT_EQ(desk_->num_open, 0);
+  EXPECT_EQ(num_files(), files_before);
 }
 
 }  // namespace
