@@ -139,7 +139,8 @@ void add_serve_command(CLI::App& app) {
   command
       ->add_option("--camera",
                    arguments->camera,
-                   "simulated:[key=value,...], freenect:, openni2:, push:PORT, "
+                   "simulated:[key=value,...], freenect:, openni2:, "
+                   "v4l2:/dev/videoN[,color=/dev/videoM], push:PORT, "
                    "mcap:FILE[,loop=1][,speed=full] "
                    "or tum:DIR[,loop=1][,speed=full] (docs/cameras.md); at full speed every frame "
                    "is tracked, "
