@@ -9,10 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include <tbb/parallel_for.h>
-
 #include "morgagni/ct/internal/components.h"
 #include "morgagni/ct/internal/skin_profiles.h"
+#include "morgagni/ct/internal/smoothed_threshold.h"
 #include "morgagni/ct/internal/uncovering.h"
 
 namespace mor::internal {
@@ -127,36 +126,15 @@ BitMask around(const std::vector<Piece>& pieces,
   return where;
 }
 
-/// Voxels below a limit, each together with the six beside it: the noise of one must not count.
-BitMask below(const Volume& volume, const BitMask& within, double limit_hu) {
-  constexpr int kOwnWeight = 6;
-  BitMask found(volume.size);
-  tbb::parallel_for(0, volume.size[2], [&](int slice) {
-    for_each_voxel_in_slice(within, slice, [&](const std::array<int, 3>& at) {
-      int num = kOwnWeight;
-      int sum = kOwnWeight * volume.hu[volume.index(at[0], at[1], at[2])];
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        for (const int step : {-1, 1}) {
-          auto beside = at;
-          beside[axis] += step;
-          if (beside[axis] < 0 || beside[axis] >= volume.size[axis]) continue;
-          sum += volume.hu[volume.index(beside[0], beside[1], beside[2])];
-          ++num;
-        }
-      }
-      if (sum < limit_hu * num) found.set_run(at[1], at[2], at[0], at[0] + 1);
-    });
-  });
-  return found;
-}
-
 /// From the air outside through all that is light. Not through passages into the body, and where
 /// cloth may be taken for fat only so deep.
 BitMask reached(const Volume& volume, const BitMask& outside, const BitMask& where, double hu) {
   constexpr double kPassageMm = 2.4;
   constexpr int kDeepVoxels = 2;
+  constexpr double kNoLeastHu = -32768.0;
   const double middle_hu = 0.5 * (hu + kSkinHu);
-  BitMask light = below(volume, where, std::min(middle_hu, kLightestFatHu));
+  BitMask light =
+      smoothed_threshold(volume, where, kNoLeastHu, std::min(middle_hu, kLightestFatHu));
   light |= outside;
   light = opened(light, kPassageMm, volume.spacing_mm);
   const Components parts(light);
@@ -164,7 +142,7 @@ BitMask reached(const Volume& volume, const BitMask& outside, const BitMask& whe
   BitMask cloth = parts.select([&](std::size_t i) { return open[i] > 0; });
   cloth &= where;
   if (middle_hu <= kLightestFatHu) return cloth;
-  const BitMask lighter = below(volume, where, middle_hu);
+  const BitMask lighter = smoothed_threshold(volume, where, kNoLeastHu, middle_hu);
   for (int step = 0; step < kDeepVoxels; ++step) {
     BitMask next = dilated(cloth, 1.0, Eigen::Vector3d::Ones());
     next &= lighter;

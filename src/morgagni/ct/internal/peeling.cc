@@ -177,6 +177,12 @@ void apply(const std::vector<std::vector<Change>>& changes, Volume& volume, BitM
   }
 }
 
+void make_air(const BitMask& where, Volume& volume) {
+  for_each_voxel(where, [&](const std::array<int, 3>& at) {
+    volume.hu[volume.index(at[0], at[1], at[2])] = static_cast<std::int16_t>(kAirHu);
+  });
+}
+
 /// Nothing is taken off where `settled` is.
 void leave(const BitMask& settled,
            const SkinProfiles& profiles,
@@ -240,7 +246,7 @@ Peeled peel(Volume& volume,
       profiles = SkinProfiles(volume, solid_of(volume));
     }
     done(0.3);
-    ThinLayers layers = thin_layers(profiles, asked_mm);
+    ThinLayers layers = thin_layers(volume, profiles, asked_mm);
     peeled.asked |= profiles.voxels_of(layers.asked, volume);
     asked_mm = std::move(layers.not_found_mm);  // They may be of the layer beneath.
     leave(settled, profiles, volume, layers);
@@ -251,6 +257,7 @@ Peeled peel(Volume& volume,
       break;
     peeled.found_any = true;
     apply(Carving(volume, profiles, layers).run(), volume, peeled.taken);
+    make_air(layers.foam, volume);  // Or the next layer would be its cover, too.
     done(1.0);
   }
   return peeled;

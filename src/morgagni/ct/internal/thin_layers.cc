@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
+#include "morgagni/ct/internal/foam_cover.h"
 #include "morgagni/ct/internal/laid_sheet.h"
 #include "morgagni/ct/internal/lifted_sheet.h"
 
@@ -23,6 +25,8 @@ constexpr float kDenseHu = 150.0F;
 /// Foam of a mattress or a headrest, and air.
 constexpr float kMostFoamHu = -760.0F;
 constexpr float kLeastFoamHu = -960.0F;
+/// Of a lifted sheet so much more is taken: nothing of it is to hang on to an ear.
+constexpr float kAllOfItMm = 0.4F;
 
 bool is_like_skin(float hu) {
   return hu > kLightHu && hu < kDenseHu;
@@ -111,8 +115,8 @@ float share_of(std::vector<float> values, double share) {
 
 class Search {
  public:
-  explicit Search(const SkinProfiles& profiles)
-      : profiles_(profiles), places_(profiles.all().size()) {
+  Search(const Volume& volume, const SkinProfiles& profiles)
+      : volume_(volume), profiles_(profiles), places_(profiles.all().size()) {
     for (std::size_t i = 0; i < places_.size(); ++i) {
       const auto& profile = profiles.all()[i];
       if (profile.area_mm2 <= 0.0F) continue;
@@ -131,6 +135,7 @@ class Search {
     find_light();
     for (const LiftedSheet& sheet : sheets_)
       if (!is_skin_like(sheet)) follow(sheet);
+    take_cover_of_foam();
     fill_gaps();
     for (const LiftedSheet& sheet : sheets_) doubt_around(sheet.places, sheet.thick_mm);
     for (const LiftedSheet& sheet : like_skin_) doubt_around(sheet.places, sheet.thick_mm);
@@ -234,18 +239,47 @@ class Search {
     }
   }
 
+  /// All that one foam lies over has one cover, whose thickness its largest sheet shows best. Where
+  /// it is lighter than skin it is seen by itself.
+  void take_cover_of_foam() {
+    constexpr float kLightestHu = -140.0F;  // Thin, and blurred.
+    const LiftedSheet* largest = nullptr;
+    for (const LiftedSheet& sheet : sheets_)
+      if (is_foam(sheet.outside_hu) && (largest == nullptr || sheet.area_mm2 > largest->area_mm2))
+        largest = &sheet;
+    if (largest == nullptr || largest->most_hu < kLightestHu || largest->most_hu > kDenseHu) return;
+    FoamCover cover = foam_cover(volume_, profiles_, *largest);
+    for (const std::size_t i : cover.places)
+      if (found_.thick_mm[i] == 0.0F || found_.is_sheet[i] != 0) take_cover(i, *largest);
+    found_.foam = std::move(cover.foam);
+  }
+
+  void take_cover(std::size_t i, const LiftedSheet& sheet) {
+    // Between foam and air it is blurred from both sides, and seems thinner than on the skin.
+    constexpr float kBlurMm = 0.25F;
+    found_.is_sheet[i] = 1;
+    found_.is_lifted[i] = 0;
+    found_.thick_mm[i] = sheet.thick_mm + kBlurMm;
+    if (is_lifted_alone(i, sheet)) found_.thick_mm[i] += kAllOfItMm;
+  }
+
   void take(std::size_t i, const LiftedSheet& sheet, bool is_lifted) {
     found_.is_sheet[i] = 1;
     found_.thick_mm[i] = sheet.thick_mm;
     if (is_skin_like(sheet)) {
-      // Nothing of it is to hang on to an ear.
-      constexpr float kAllOfItMm = 0.4F;
       if (places_[i].lifted_mm > 0.0F) found_.thick_mm[i] += kAllOfItMm;
     } else if (is_lifted) {
       found_.is_lifted[i] = 1;
       // Where it comes down to the skin some of the skin seems to be sheet.
       found_.thick_mm[i] = std::min(places_[i].lifted_mm, sheet.thick_mm);
     }
+  }
+
+  /// Nothing as thin as an ear beneath it, and no skin.
+  [[nodiscard]] bool is_lifted_alone(std::size_t i, const LiftedSheet& sheet) const {
+    constexpr float kSomethingBeneathMm = 1.5F;
+    return places_[i].lifted_mm > 0.0F &&
+           places_[i].lifted_mm < sheet.thick_mm + kSomethingBeneathMm;
   }
 
   static bool is_about(float value, float wanted, float most) {
@@ -259,9 +293,8 @@ class Search {
   }
 
   [[nodiscard]] bool goes_on(std::size_t i, const LiftedSheet& sheet) const {
-    constexpr float kSomethingBeneathMm = 1.5F;
     const SurfacePlace& place = places_[i];
-    if (place.lifted_mm > 0.0F && place.lifted_mm < sheet.thick_mm + kSomethingBeneathMm)
+    if (is_lifted_alone(i, sheet))
       return is_about(place.lifted_mm, sheet.thick_mm, 0.7F) &&
              is_about(
                  place.most_hu, sheet.most_hu, std::max(40.0F, 0.25F * std::abs(sheet.most_hu)));
@@ -370,6 +403,7 @@ class Search {
 
   static constexpr float kMostOffMm = 6.0F;  ///< Of what is asked for: two cells.
 
+  const Volume& volume_;
   const SkinProfiles& profiles_;
   std::vector<SurfacePlace> places_;
   std::vector<LiftedSheet> sheets_;
@@ -379,9 +413,10 @@ class Search {
 
 }  // namespace
 
-ThinLayers thin_layers(const SkinProfiles& profiles,
+ThinLayers thin_layers(const Volume& volume,
+                       const SkinProfiles& profiles,
                        const std::vector<Eigen::Vector3f>& take_off_mm) {
-  return Search(profiles).run(take_off_mm);
+  return Search(volume, profiles).run(take_off_mm);
 }
 
 }  // namespace mor::internal

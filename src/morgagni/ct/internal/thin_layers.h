@@ -14,6 +14,7 @@ struct ThinLayers {
   std::vector<char> is_lifted;     ///< There is air beneath it.
   std::vector<char> is_sheet;      ///< It is as thick all over, and ends with a rim.
   std::vector<float> unknown_mm;   ///< How thick a layer may go on here unseen; 0: none is near.
+  BitMask foam;                    ///< Whose cover is taken off, near to the surface; or empty.
   std::vector<std::size_t> asked;  ///< Where one was taken off because somebody asked for it.
   std::vector<Eigen::Vector3f> not_found_mm;  ///< Places asked for at which there was none.
 };
@@ -23,14 +24,15 @@ struct ThinLayers {
 /// - Lifted: within 5 mm there is air again, and over some area the sheet is as even as no ear is,
 ///   or thinner, or lighter.
 /// - Light, on the skin: the HU rise in two steps, from air to cloth and from cloth to skin.
-/// - A lifted sheet followed to where it lies on the skin: as far as its outer half looks the same,
-///   or as far as the same foam lies outside of it; one that has a skin's HU as far as it can be
-///   told from this skin (sheet_places()).
+/// - A lifted sheet followed to where it lies on the skin: as far as its outer half looks the same;
+///   the cover of a foam wherever this foam lies outside (foam_cover()); one that has a skin's HU
+///   as far as it can be told from this skin (sheet_places()).
 ///
 /// One that cannot be told (a tube's wall, a shell as dense as the skin) is left.
 /// @param take_off_mm  Places, as SkinProfile::place_mm: the whole stretch of `unknown_mm` that is
 ///                     nearest to each is taken off, with the lifted sheet that it comes of.
-[[nodiscard]] ThinLayers thin_layers(const SkinProfiles& profiles,
+[[nodiscard]] ThinLayers thin_layers(const Volume& volume,
+                                     const SkinProfiles& profiles,
                                      const std::vector<Eigen::Vector3f>& take_off_mm = {});
 
 }  // namespace mor::internal
