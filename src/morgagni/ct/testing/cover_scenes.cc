@@ -195,6 +195,9 @@ Cover clothing(Dice& dice) {
           }};
 }
 
+/// From the skin to a place, LPS mm from the body's middle.
+using SkinDistance = std::function<double(const Eigen::Vector3d&)>;
+
 /// Along the skin in a slanted plane, on one side of the body.
 class Course {
  public:
@@ -203,44 +206,107 @@ class Course {
         towards_(dice.direction(3.0)),
         off_mm_(dice(-25.0, 25.0)) {}
 
-  /// From a line so far over the skin.
-  [[nodiscard]] double from_mm(const Place& place, double over_skin_mm) const {
-    return std::hypot(place.mm.dot(across_) - off_mm_, place.skin_mm - over_skin_mm);
+  /// Each place of it as high over the skin as is asked for there, or higher: it is stiff, and
+  /// lies over hollows that it would have to bend sharply for.
+  [[nodiscard]] std::vector<Eigen::Vector3d> axis_mm(
+      const SkinDistance& skin_mm,
+      const std::function<double(const Eigen::Vector3d&)>& over_skin_mm) const {
+    constexpr int kNumRounds = 40;
+    auto axis = around(skin_mm, over_skin_mm);
+    for (int round = 0; round < kNumRounds; ++round) {
+      const auto before = axis;
+      for (std::size_t i = 1; i + 1 < axis.size(); ++i)
+        axis[i] = 0.25 * before[i - 1] + 0.5 * before[i] + 0.25 * before[i + 1];
+      for (auto& place : axis) place += lift_mm(place, skin_mm, over_skin_mm(place));
+    }
+    return axis;
   }
-  /// Negative on the body's other side.
-  [[nodiscard]] double side_mm(const Place& place) const { return place.mm.dot(towards_); }
 
  private:
+  /// As it is met from outside, at even steps.
+  [[nodiscard]] std::vector<Eigen::Vector3d> around(
+      const SkinDistance& skin_mm,
+      const std::function<double(const Eigen::Vector3d&)>& over_skin_mm) const {
+    constexpr int kNumRays = 720;
+    constexpr double kFarMm = 400.0;
+    constexpr double kLeastStepMm = 0.2;
+    constexpr double kBetweenMm = 2.0;
+    const Eigen::Vector3d e1 = across_.cross(towards_).normalized();
+    const Eigen::Vector3d e2 = across_.cross(e1);
+    std::vector<Eigen::Vector3d> axis;
+    // e2 is the way from `towards_`: the rays begin and end on the body's other side.
+    for (int ray = 0; ray < kNumRays; ++ray) {
+      const double angle = 2.0 * std::numbers::pi * ray / kNumRays;
+      const Eigen::Vector3d away = std::sin(angle) * e1 + std::cos(angle) * e2;
+      double from_mm = kFarMm;
+      Eigen::Vector3d place;
+      for (double above_mm = 1.0; above_mm > 0.0 && from_mm > 0.0;
+           from_mm -= std::max(kLeastStepMm, above_mm)) {
+        place = off_mm_ * across_ + from_mm * away;
+        above_mm = skin_mm(place) - over_skin_mm(place);
+      }
+      if (place.dot(towards_) <= 0.0) continue;
+      while (!axis.empty() && (place - axis.back()).norm() > kBetweenMm)
+        axis.push_back(axis.back() + kBetweenMm * (place - axis.back()).normalized());
+      if (axis.empty()) axis.push_back(place);
+    }
+    return axis;
+  }
+
+  /// The way out to so far over the skin.
+  [[nodiscard]] static Eigen::Vector3d lift_mm(const Eigen::Vector3d& place,
+                                               const SkinDistance& skin_mm,
+                                               double over_mm) {
+    constexpr double kBesideMm = 1.5;
+    const double beneath_mm = over_mm - skin_mm(place);
+    if (beneath_mm <= 0.0) return Eigen::Vector3d::Zero();
+    Eigen::Vector3d outwards;
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d step = kBesideMm * Eigen::Vector3d::Unit(i);
+      outwards[i] = skin_mm(place + step) - skin_mm(place - step);
+    }
+    return beneath_mm * outwards.stableNormalized();
+  }
+
   Eigen::Vector3d across_;
   Eigen::Vector3d towards_;
   double off_mm_;
 };
 
-Cover tube(Dice& dice) {
+double from_line_mm(const Eigen::Vector3d& place, const std::vector<Eigen::Vector3d>& axis) {
+  double least_sq_mm2 = 1e12;
+  for (std::size_t i = 1; i < axis.size(); ++i) {
+    const Eigen::Vector3d step = axis[i] - axis[i - 1];
+    const Eigen::Vector3d from = place - axis[i - 1];
+    const double share = std::clamp(from.dot(step) / step.squaredNorm(), 0.0, 1.0);
+    least_sq_mm2 = std::min(least_sq_mm2, (from - share * step).squaredNorm());
+  }
+  return std::sqrt(least_sq_mm2);
+}
+
+Cover tube(const SkinDistance& skin_mm, Dice& dice) {
   const double radius_mm = dice(3.5, 7.0);
   const double wall_mm = dice(1.5, 2.5);
-  const Course course(dice);
+  const auto axis =
+      Course(dice).axis_mm(skin_mm, [=](const Eigen::Vector3d&) { return radius_mm; });
   return {15.0, [=](const Place& place) {
-            const double from_mm = course.from_mm(place, radius_mm);
-            return Matter{std::min({radius_mm - from_mm,
-                                    from_mm - (radius_mm - wall_mm),
-                                    course.side_mm(place)}),
-                          120.0};
+            const double from_mm = from_line_mm(place.mm, axis);
+            return Matter{std::min(radius_mm - from_mm, from_mm - (radius_mm - wall_mm)), 120.0};
           }};
 }
 
 /// Solid, or full of fluid; it touches the skin here and hangs over it there.
-Cover line(Dice& dice) {
+Cover line(const SkinDistance& skin_mm, Dice& dice) {
   const double hu = dice(20.0, 400.0);
   const double radius_mm = dice(1.5, 3.5);
   const double height_mm = dice(3.0, 12.0);
   const double phase = dice(0.0, 6.0);
-  const Course course(dice);
+  const auto axis = Course(dice).axis_mm(skin_mm, [=](const Eigen::Vector3d& mm) {
+    const double angle = std::atan2(mm.y(), mm.x());
+    return radius_mm + std::max(0.0, height_mm * std::sin(4.0 * angle + phase));
+  });
   return {15.0, [=](const Place& place) {
-            const double angle = std::atan2(place.mm.y(), place.mm.x());
-            const double lifted_mm = std::max(0.0, height_mm * std::sin(4.0 * angle + phase));
-            const double from_mm = course.from_mm(place, lifted_mm + radius_mm);
-            return Matter{std::min(radius_mm - from_mm, course.side_mm(place)), hu};
+            return Matter{radius_mm - from_line_mm(place.mm, axis), hu};
           }};
 }
 
@@ -260,7 +326,10 @@ Cover bed(double shell_hu, double shell_mm, double foam_hu, double reach_mm, Dic
           }};
 }
 
-Cover cover_of(const std::string& kind, double back_mm, unsigned seed) {
+Cover cover_of(const std::string& kind,
+               double back_mm,
+               const SkinDistance& skin_mm,
+               unsigned seed) {
   Dice dice(seed);
   const std::map<std::string, std::function<Cover()>> kinds = {
       {"blanket-400", [&] { return blanket(-400.0, false, dice); }},
@@ -273,8 +342,8 @@ Cover cover_of(const std::string& kind, double back_mm, unsigned seed) {
       {"plaster", [&] { return plaster(6.0, 10.0, dice); }},
       {"plaster-thin", [&] { return plaster(4.0, 6.0, dice); }},
       {"silicone", [&] { return silicone(back_mm, dice); }},
-      {"tube", [&] { return tube(dice); }},
-      {"line", [&] { return line(dice); }},
+      {"tube", [&] { return tube(skin_mm, dice); }},
+      {"line", [&] { return line(skin_mm, dice); }},
       {"headrest", [&] { return bed(90.0, 3.0, kAirHu, 0.0, dice); }},
       {"mattress", [&] { return bed(20.0, 1.2, -880.0, 40.0, dice); }}};
   return kinds.at(kind)();
@@ -298,6 +367,30 @@ double flesh_hu(const BareBody& bare, int x, int y, int z) {
     }
   }
   return most_hu < -500.0 ? 40.0 : std::min(most_hu, kMostHu);
+}
+
+/// Between the voxels; beyond the scan the body goes on as it ends.
+double over_skin_mm(const BareBody& bare, const Eigen::Vector3d& grid_mm) {
+  const Volume& ct = bare.volume;
+  const Eigen::Vector3d at = grid_mm.cwiseQuotient(ct.spacing_mm);
+  std::array<int, 3> low{};
+  std::array<double, 3> share{};
+  Eigen::Vector3d beyond_mm = Eigen::Vector3d::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto i = static_cast<std::size_t>(axis);
+    const double inside = std::clamp(at[axis], 0.0, ct.size[i] - 1.0);
+    if (axis < 2) beyond_mm[axis] = (at[axis] - inside) * ct.spacing_mm[axis];
+    low[i] = std::min(static_cast<int>(inside), ct.size[i] - 2);
+    share[i] = inside - low[i];
+  }
+  double sum_mm = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const std::array<int, 3> up = {corner & 1, corner >> 1 & 1, corner >> 2};
+    double weight = 1.0;
+    for (std::size_t i = 0; i < 3; ++i) weight *= up[i] != 0 ? share[i] : 1.0 - share[i];
+    sum_mm += weight * bare.from_body_mm[ct.index(low[0] + up[0], low[1] + up[1], low[2] + up[2])];
+  }
+  return std::hypot(sum_mm, beyond_mm.norm());  // At least so much.
 }
 
 BitMask farther_than(double least_mm, const BitMask& from, const Eigen::Vector3d& spacing_mm) {
@@ -380,7 +473,11 @@ Covered covered(const BareBody& bare, const std::string& kind, unsigned seed) {
   const Eigen::Vector3d low = ct_from_voxel(Eigen::Vector3d(box.low_x, box.low_y, box.low_z));
   const Eigen::Vector3d high = ct_from_voxel(Eigen::Vector3d(box.high_x, box.high_y, box.high_z));
   const Eigen::Vector3d middle = 0.5 * (low + high);
-  const Cover cover = cover_of(kind, std::abs(high.y() - middle.y()), seed);
+  const Eigen::Isometry3d grid_from_ct = bare.volume.ct_from_grid.inverse();
+  const auto from_skin_mm = [&](const Eigen::Vector3d& mm) {
+    return over_skin_mm(bare, grid_from_ct * (mm + middle));
+  };
+  const Cover cover = cover_of(kind, std::abs(high.y() - middle.y()), from_skin_mm, seed);
   constexpr double kReachMm = 70.0;
   for_each(bare.volume, [&](int x, int y, int z) {
     const std::size_t i = bare.volume.index(x, y, z);
