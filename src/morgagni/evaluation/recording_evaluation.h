@@ -100,10 +100,10 @@ struct EvaluationReport {
     const EvaluationOptions& options,
     const Progress& progress);
 
-/// {"method","device","frames","starts","success_rate","tre_mm":{mean,sd,median,p95,max},"tre_success_mm",
-/// "registration_ms":{median,p95},"registration_cpu_ms":{median,p95},"points",
-/// "difficulty":[{frame,bare_share,least_tre_mm}],"runs":[{frame,tre_mm,cpu_ms}]}. An infinite
-/// bound is null.
+/// {"method","device","frames","starts","success_rate","tre_mm":{mean,sd,median,p95,max},
+/// "tre_success_mm","registration_ms":{median,p95},"registration_cpu_ms":{median,p95},"points",
+/// "difficulty":[{frame,bare_share,least_tre_mm}],"runs":[{frame,tre_mm,start_tre_mm,cpu_ms}]}. An
+/// infinite bound is null.
 [[nodiscard]] std::string to_json(const EvaluationReport& report);
 
 /// The same as a table to read, with the depth stage's time and the success by bare skin.

@@ -11,7 +11,6 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "morgagni/camera/tum_recording.h"
-#include "morgagni/compute/compute_device.h"
 #include "morgagni/depth/body_surface.h"
 #include "morgagni/evaluation/recording_evaluation.h"
 #include "morgagni/evaluation/target_sampling.h"

@@ -71,7 +71,11 @@ std::size_t IcpKernels::num_sort_entries(std::size_t num_points) const {
 
 Result<void> IcpKernels::reserve_sort(ComputeContext& context, std::size_t num_points) {
   const std::size_t num_entries = num_sort_entries(num_points);
-  if (num_entries * sizeof(float) <= sort_keys.num_bytes()) return {};
+  // By both: a failed allocation of the second leaves it smaller than the first.
+  if (num_entries * sizeof(float) <= sort_keys.num_bytes() &&
+      num_entries * sizeof(std::uint32_t) <= sort_order.num_bytes()) {
+    return {};
+  }
   MOR_TRY(sort_keys, context.allocate(num_entries * sizeof(float)));
   MOR_TRY(sort_order, context.allocate(num_entries * sizeof(std::uint32_t)));
   return {};
