@@ -18,7 +18,7 @@ namespace mor::internal {
 
 /// A moving point is explained where the fixed surface is no farther than this,
 inline constexpr float kExplainedMm = 5.0F;
-/// and near it at all within this: where no point is, the start has nothing to do with the surface.
+/// and near it at all within this.
 inline constexpr float kNearMm = 500.0F;
 
 /// Sums over the pairs that count, in double or as good as the device has it. Distances of pairs

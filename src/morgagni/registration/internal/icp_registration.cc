@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -20,8 +19,9 @@ namespace mor::internal {
 namespace {
 
 constexpr std::size_t kMinPairs = 3;
-/// A moving surface within so many standard deviations of a line, plane or sphere is one.
-constexpr double kShapeNoiseRatio = 1.5;
+/// With fewer of the points near the fixed surface the start has nothing to do with it: stray
+/// points are always somewhere.
+constexpr double kMinNearShare = 0.1;
 /// Pairs that hold their weakest direction by less than this leave it open.
 constexpr double kMinConstraint = 1e-3;
 /// Of the weighted motion: its steps, and the smallest one worth another, mm.
@@ -142,22 +142,29 @@ Result<void> Alignment::fit_weighted_pairs() {
   return {};
 }
 
+/// Besl & McKay 1992, section IV: pair, move, until the residual improves no more. Theirs never
+/// grows; the weighted motion is solved for nearly only, and a step that makes it worse is undone.
 Result<void> Alignment::iterate() {
-  double last_residual = std::numeric_limits<double>::infinity();
+  MOR_CHECK(pair_up());
+  if (sums_.num_near < kMinNearShare * static_cast<double>(moving_.size())) {
+    // ICP would still slide somewhere and call it an end.
+    result_.status = RegistrationStatus::kTooFewPairs;
+    return {};
+  }
   while (result_.num_iterations < options_.max_iterations) {
-    MOR_CHECK(pair_up());
-    if (result_.num_iterations == 0 && sums_.num_near == 0.0) {
-      // ICP would still slide somewhere and call it an end.
-      result_.status = RegistrationStatus::kTooFewPairs;
-      return {};
-    }
-    if (last_residual - residual_ <= options_.convergence_threshold * residual_) {
-      result_.status = RegistrationStatus::kConverged;
-      return {};
-    }
-    last_residual = residual_;
+    const Eigen::Isometry3d last_pose = pose_;
+    const double last_residual = residual_;
     MOR_CHECK(fit_pairs());
     ++result_.num_iterations;
+    MOR_CHECK(pair_up());
+    const double least_gain = options_.convergence_threshold * residual_;
+    if (last_residual - residual_ > least_gain) continue;
+    result_.status = RegistrationStatus::kConverged;
+    if (residual_ - last_residual > least_gain) {
+      pose_ = last_pose;
+      MOR_CHECK(pair_up());
+    }
+    return {};
   }
   return {};
 }

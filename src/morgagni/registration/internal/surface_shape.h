@@ -9,10 +9,14 @@
 
 namespace mor::internal {
 
+/// A seen surface within so many of a reading's standard deviations of a line, plane or sphere is
+/// one.
+inline constexpr double kShapeNoiseRatio = 1.5;
+
 /// Whether points say where they lie: on a line, a plane or a sphere they can slide along
 /// themselves, and no matching of shapes may claim to know their pose.
 ///
-/// @param points  Finite, mm.
+/// @param points  Finite, mm. At least one.
 /// @param noise_mm  Standard deviation of the points; a shape within it counts.
 /// @return "line", "plane", "sphere", or none: the points have a shape of their own.
 [[nodiscard]] std::optional<const char*> shape_without_pose(std::span<const Eigen::Vector3f> points,
