@@ -45,7 +45,9 @@ constexpr double kHopeless = 0.4;
 /// Poses that move the points by less against each other are one.
 constexpr double kSameMm = 4.0;
 
-/// Spread evenly over [-1, 1]^6: the additive sequence of the golden ratio's kin in six dimensions.
+/// Spread evenly over [-1, 1]^6: the additive recurrence R_6 (Roberts, "The unreasonable
+/// effectiveness of quasirandom sequences", 2018), whose steps are powers of the golden ratio's
+/// kin.
 Vector6d spread_evenly(int number) {
   constexpr double kRatio = 1.1347241384015194;  // x^7 = x + 1
   Vector6d place;

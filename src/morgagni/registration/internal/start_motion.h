@@ -14,9 +14,10 @@ namespace mor::internal {
 /// How the camera moved between two pictures of a scene that stands still: everything in them
 /// counts, body, table and clutter alike.
 ///
-/// Point-to-plane Gauss-Newton from standing still, pairs by projection into the earlier picture
-/// (Blais & Levine, "Registering multiview range data to create 3D computer objects", 1995), with
-/// Tukey's kernel annealed: good for motions of some 50 mm and 6 degrees.
+/// Point-to-plane Gauss-Newton (Chen & Medioni, "Object modelling by registration of multiple range
+/// images", 1992) from standing still, pairs by projection into the earlier picture (Blais &
+/// Levine, "Registering multiview range data to create 3D computer objects", 1995), with Tukey's
+/// kernel annealed: good for motions of some 50 mm and 6 degrees.
 ///
 /// @param others  Pictures before the earlier one, as seen from there. They take part in the last
 ///                steps, so that errors do not add up from picture to picture.

@@ -18,7 +18,8 @@ Eigen::Vector3d centroid(std::span<const Eigen::Vector3f> points) {
 }
 
 /// Root mean square distance from the sphere that fits best by x^2 + y^2 + z^2 = b^T (x, y, z, 1),
-/// of points about their centroid.
+/// of points about their centroid: the linear fit of Kasa (IEEE Trans. Instrum. Meas. 25, 1976, of
+/// circles).
 double rms_from_sphere_mm(std::span<const Eigen::Vector3f> points, const Eigen::Vector3d& center) {
   Eigen::Matrix4d products = Eigen::Matrix4d::Zero();
   Eigen::Vector4d right_side = Eigen::Vector4d::Zero();
