@@ -275,6 +275,40 @@ TEST(FieldRegistration, ReportsThatAPlaneMaySlideAndTurnInItself) {
   EXPECT_NEAR(result.fixed_from_moving.translation().y(), 148.0, 0.05);
 }
 
+/// Points of a plane or sphere, as seen with noise, where the body's front is.
+PointCloud shapeless_before_body(double radius_mm) {
+  const Eigen::Isometry3d depth_from_ct = internal::camera_before_body().inverse();
+  const Eigen::Vector3d front = depth_from_ct * (body_center() + Eigen::Vector3d(0.0, -80.0, 0.0));
+  PointCloud cloud;
+  for (int x = -60; x <= 60; x += 2) {
+    for (int y = -60; y <= 60; y += 2) {
+      const double down = radius_mm - std::sqrt(radius_mm * radius_mm - x * x - y * y);
+      const Eigen::Vector3d off(x, y, down);
+      cloud.points.push_back((front + off).cast<float>());
+      cloud.normals.push_back(
+          (off - Eigen::Vector3d(0.0, 0.0, radius_mm)).normalized().cast<float>());
+    }
+  }
+  return with_noise(std::move(cloud), 0.6F, 4);
+}
+
+TEST(FieldRegistration, ReportsPointsOfAPlaneOrSphereOnAShapedBody) {
+  const auto registration = make(RegistrationMethod::kField);
+  for (const double radius_mm : {110.0, 140.0, 1e6}) {
+    for (const auto quality : {StartQuality::kRough, StartQuality::kTracked}) {
+      const auto result = *registration->align(
+          shapeless_before_body(radius_mm), internal::camera_before_body(), quality);
+      ASSERT_GT(result.num_pairs, 100) << radius_mm;
+      EXPECT_EQ(result.status, RegistrationStatus::kDegenerate) << radius_mm;
+    }
+  }
+  const PointCloud shaped =
+      with_noise(internal::seen_by_camera(body()->mesh, internal::camera_before_body()), 0.6F, 4);
+  EXPECT_EQ(
+      registration->align(shaped, internal::camera_before_body(), StartQuality::kTracked)->status,
+      RegistrationStatus::kConverged);
+}
+
 TEST(FieldRegistration, LooksUnderAThinClothThatLiesOnMostOfTheSkin) {
   const auto registration = make(RegistrationMethod::kField);
   const Eigen::Isometry3d truth = internal::camera_before_body();

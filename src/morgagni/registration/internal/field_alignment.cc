@@ -9,6 +9,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "morgagni/geometry/rigid.h"
+#include "morgagni/registration/internal/surface_shape.h"
 
 namespace mor::internal {
 namespace {
@@ -32,6 +33,8 @@ constexpr double kRowsShare = 2.0 / (2 * kRowReach + 1);
 constexpr double kLeastMeanSq = 0.1;
 /// A direction in which the data fixes the pose to no better than this is open.
 constexpr double kOpenSigmaMm = 3.0;
+/// So many pairs show whether what they hold to the skin has a shape.
+constexpr std::size_t kShapePoints = 500;
 
 /// The box that holds the skin, widened by how far a start may be off.
 Eigen::AlignedBox3f reach_of(const DistanceField& field) {
@@ -171,7 +174,10 @@ PoseFit FieldAlignment::fit(const Stage& stage) {
   return last_fit_;
 }
 
-/// Rotations are measured by how they move the points, so that all directions are in mm.
+/// The eigenvectors of the information with small eigenvalues (Gelfand et al., "Geometrically
+/// stable sampling for the ICP algorithm", 3DIM 2003; Zhang, Kaess & Singh, "On degeneracy of
+/// optimization-based state estimation problems", ICRA 2016). Rotations are measured by how they
+/// move the points, so that all directions are in mm.
 std::vector<OpenDirection> FieldAlignment::open_directions(const NormalEquations& equations) const {
   Vector6d scale;
   scale << Eigen::Vector3d::Constant(1.0 / radius_mm_), Eigen::Vector3d::Ones();
@@ -185,6 +191,14 @@ std::vector<OpenDirection> FieldAlignment::open_directions(const NormalEquations
     open.push_back({twist.head<3>(), twist.tail<3>(), sigma_mm});
   }
   return open;
+}
+
+/// A plane or a sphere lies anywhere on a skin of its own shape, however well that fixes the pose.
+bool FieldAlignment::has_shape() const {
+  const auto points = linearizer_.some_pairs(kShapePoints);
+  const auto depth_mm = static_cast<float>(std::max(0.0, center_.z()));
+  const auto noise_mm = static_cast<double>(axial_noise_mm(depth_mm));
+  return !points.empty() && !shape_without_pose(points, kShapeNoiseRatio * noise_mm);
 }
 
 RegistrationResult FieldAlignment::finish(const PairingRule& rule) {
@@ -215,7 +229,7 @@ RegistrationResult FieldAlignment::finish(const PairingRule& rule) {
     return result;
   }
   result.open_directions = open_directions(equations);
-  if (!result.open_directions.empty()) {
+  if (!result.open_directions.empty() || !has_shape()) {
     result.status = RegistrationStatus::kDegenerate;
   } else if (converged_) {
     result.status = RegistrationStatus::kConverged;

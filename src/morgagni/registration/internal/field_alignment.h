@@ -83,6 +83,8 @@ class FieldAlignment {
   [[nodiscard]] double step(const NormalEquations& equations, double stride);
   [[nodiscard]] Vector6d start_information() const;
   [[nodiscard]] std::vector<OpenDirection> open_directions(const NormalEquations& equations) const;
+  /// Of the points that the last look paired.
+  [[nodiscard]] bool has_shape() const;
 
   const DistanceField& field_;
   std::size_t num_moving_;

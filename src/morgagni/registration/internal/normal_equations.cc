@@ -61,6 +61,7 @@ class NodeFinder {
   std::array<float, 3> last_{};
 };
 
+/// Tukey's biweight (Beaton & Tukey, Technometrics 16, 1974): (1 - (d / scale)^2)^2, 0 beyond.
 [[nodiscard]] Lanes tukey_weight(const Lanes& distance_mm, const Lanes& per_scale) {
   const Lanes ratio = distance_mm * per_scale;
   const Lanes rest = max_of(1.0F - ratio * ratio, Lanes{});
@@ -255,6 +256,18 @@ double Linearizer::mean_sq_between_rows(const SensorPoints& points) const {
     count += 1.0;
   }
   return count > 0.0 ? sum / count : 0.0;
+}
+
+std::vector<Eigen::Vector3f> Linearizer::some_pairs(std::size_t count) const {
+  const std::size_t stride = std::max<std::size_t>(1, pairs_.size() * kLanes / count);
+  std::vector<Eigen::Vector3f> points;
+  points.reserve(count + kLanes);
+  for (std::size_t i = 0; i < pairs_.size() * kLanes; i += stride) {
+    const PairLanes& pair = pairs_[i / kLanes];
+    const auto lane = static_cast<int>(i % kLanes);
+    if (pair.weight[lane] > 0.0F) points.emplace_back(pair.x[lane], pair.y[lane], pair.z[lane]);
+  }
+  return points;
 }
 
 NormalEquations Linearizer::linearize(const FieldLevel& level,

@@ -58,6 +58,9 @@ class Linearizer {
   /// @param points  As given there.
   [[nodiscard]] double mean_sq_between_rows(const SensorPoints& points) const;
 
+  /// Some of the pairs last linearized, spread over all: about `count` moving points, frame ct.
+  [[nodiscard]] std::vector<Eigen::Vector3f> some_pairs(std::size_t count) const;
+
  private:
   /// Moving points in the CT with what the field says there.
   struct PairLanes {
