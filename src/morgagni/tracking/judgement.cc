@@ -51,9 +51,22 @@ bool jumped(const FrameEvidence& evidence, const JudgementLimits& limits) {
          rotation_angle_rad(moved) > limits.free_turn_rad + seconds * limits.turn_rad_per_s;
 }
 
+/// The largest error bound in the middle of the skin seen and a radius to either side of it: a turn
+/// about an axis through the middle does not show there.
+double widest_bound_mm(const PoseCovariance& pose, const SkinEvidence& skin) {
+  double widest_mm = error_bound_mm(pose, skin.seen_center_mm);
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d aside_mm = skin.seen_radius_mm * Eigen::Vector3d::Unit(axis);
+    widest_mm = std::max({widest_mm,
+                          error_bound_mm(pose, skin.seen_center_mm - aside_mm),
+                          error_bound_mm(pose, skin.seen_center_mm + aside_mm)});
+  }
+  return widest_mm;
+}
+
 bool is_open(const FrameEvidence& evidence, const JudgementLimits& limits) {
   return !evidence.covariance || evidence.surface_relief_mm < limits.flat_mm ||
-         error_bound_mm(*evidence.covariance, evidence.skin.seen_center_mm) > limits.open_bound_mm;
+         !(widest_bound_mm(*evidence.covariance, evidence.skin) <= limits.open_bound_mm);
 }
 
 }  // namespace

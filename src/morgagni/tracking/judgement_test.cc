@@ -30,6 +30,7 @@ struct Frame : FrameEvidence {
     skin.num_seen = 380;
     skin.num_covered = 20;
     skin.num_patches = 300;
+    skin.seen_radius_mm = 80.0;
     surface_relief_mm = 30.0;
     expected = ExpectedPose{Eigen::Isometry3d::Identity(), std::chrono::milliseconds(33)};
   }
@@ -128,6 +129,18 @@ TEST(JudgeEvidence, AnOpenDirectionAlone) {
   frame = {};
   frame.surface_relief_mm = 2.0;
   EXPECT_EQ(frame.judged().verdict, Verdict::kWeak) << "a flat surface fits anything flat";
+}
+
+/// A head seen from above: about the axis that it is seen along it may turn.
+TEST(JudgeEvidence, ATurnAboutAnAxisThroughTheMiddleOfTheSkinSeenAlone) {
+  for (int axis = 0; axis < 3; ++axis) {
+    Frame frame;
+    frame.result.information->matrix(axis, axis) = 20.0;
+    EXPECT_EQ(frame.judged().verdict, Verdict::kWeak) << "13 degrees open";
+    EXPECT_THAT(frame.judged().doubts, ElementsAre(Doubt::kOpenDirection));
+    frame.skin.seen_radius_mm = 5.0;
+    EXPECT_EQ(frame.judged().verdict, Verdict::kGood) << "it moves none of the skin seen by 5 mm";
+  }
 }
 
 TEST(JudgeEvidence, AJumpAlone) {

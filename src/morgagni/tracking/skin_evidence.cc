@@ -118,6 +118,7 @@ SkinEvidence SkinSamples::compare(ImageView<const std::uint16_t> depth_mm,
   SkinEvidence evidence;
   evidence.num_samples = static_cast<int>(points_.size());
   Eigen::Vector3f seen_sum = Eigen::Vector3f::Zero();
+  float seen_sum_sq = 0.0F;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const Eigen::Vector3f ray = points_[i] - eye_ct;
     const float facing = -normals_[i].dot(ray) / ray.norm();
@@ -141,7 +142,9 @@ SkinEvidence SkinSamples::compare(ImageView<const std::uint16_t> depth_mm,
       if (nearest_around(depth_mm, x, y) > point.z() + tolerance) ++evidence.num_floating;
     } else {
       ++evidence.num_seen;
-      seen_sum += points_[i] - points_[0];
+      const Eigen::Vector3f seen = points_[i] - points_[0];
+      seen_sum += seen;
+      seen_sum_sq += seen.squaredNorm();
       if (facing < kMinPatchFacing) continue;
       if (const auto patch_mm = patch_average(depth_mm, x, y, patch_px)) {
         ++evidence.num_patches;
@@ -151,8 +154,11 @@ SkinEvidence SkinSamples::compare(ImageView<const std::uint16_t> depth_mm,
     }
   }
   if (evidence.num_seen > 0) {
-    evidence.seen_center_mm =
-        (points_[0] + seen_sum / static_cast<float>(evidence.num_seen)).cast<double>();
+    const auto count = static_cast<float>(evidence.num_seen);
+    const Eigen::Vector3f mean = seen_sum / count;
+    evidence.seen_center_mm = (points_[0] + mean).cast<double>();
+    evidence.seen_radius_mm =
+        static_cast<double>(std::sqrt(std::max(0.0F, seen_sum_sq / count - mean.squaredNorm())));
   }
   return evidence;
 }

@@ -35,6 +35,7 @@ struct SkinEvidence {
   [[nodiscard]] double floating_fraction() const;
 
   Eigen::Vector3d seen_center_mm = Eigen::Vector3d::Zero();  ///< Of the skin seen, frame ct.
+  double seen_radius_mm = 0.0;  ///< Of the skin seen: root mean square distance from its centre.
 };
 
 /// Points spread over the CT skin, for comparing it with depth pictures.

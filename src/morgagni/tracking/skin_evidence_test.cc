@@ -52,6 +52,7 @@ TEST_F(SkinEvidenceTest, AllIsSeenWhereThePoseIsRight) {
   EXPECT_LT(evidence.behind_fraction(), 0.01);
   EXPECT_NEAR(evidence.seen_share(), 0.25, 0.15);
   EXPECT_LT((evidence.seen_center_mm - Eigen::Vector3d(30.0, -270.0, 400.0)).norm(), 60.0);
+  EXPECT_NEAR(evidence.seen_radius_mm, 110.0, 35.0) << "half of 240 x 300 mm, less at the outline";
 }
 
 TEST_F(SkinEvidenceTest, SkinFloatsWhereTheCameraIsTakenToBeNearer) {
