@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <set>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
@@ -45,22 +48,46 @@ bool at_same_place(const DicomSlice& a, const DicomSlice& b) {
   return (*a.position_mm - *b.position_mm).norm() < kSamePlaceMm;
 }
 
-bool have_same_pixels(const StudyFiles& files, const DicomSlice& a, const DicomSlice& b) {
-  if (a.sop_instance_uid == b.sop_instance_uid && !a.sop_instance_uid.empty() && a.frame == b.frame)
-    return true;
-  SliceReader reader(files);
-  const auto hu_a = reader.read_hu(a);
-  const auto hu_b = reader.read_hu(b);
-  return hu_a && hu_b && *hu_a == *hu_b;
-}
+/// A number for a slice's pixels, so that many are compared and each is decoded once.
+class PixelSums {
+ public:
+  explicit PixelSums(const StudyFiles& files) : reader_(files) {}
+
+  [[nodiscard]] bool are_same(const DicomSlice& a, const DicomSlice& b) {
+    if (a.sop_instance_uid == b.sop_instance_uid && !a.sop_instance_uid.empty() &&
+        a.frame == b.frame)
+      return true;
+    const auto sum = sum_of(a);
+    return sum && sum == sum_of(b);
+  }
+
+ private:
+  /// Nothing: the pixels cannot be read.
+  std::optional<std::size_t> sum_of(const DicomSlice& slice) {
+    const auto [known, is_new] = sums_.try_emplace({slice.file, slice.frame});
+    if (is_new) {
+      if (const auto hu = reader_.read_hu(slice))
+        known->second = std::hash<std::string_view>{}(
+            {reinterpret_cast<const char*>(hu->data()), hu->size() * sizeof(hu->front())});
+    }
+    return known->second;
+  }
+
+  SliceReader reader_;
+  std::map<std::pair<std::size_t, int>, std::optional<std::size_t>> sums_;  ///< File, frame.
+};
 
 /// Neighbours in a sorted series that are the same slice are kept once.
 void drop_copies(DicomSeries& series, const StudyFiles& files, LeftOut& left_out) {
+  PixelSums sums(files);
+  const Eigen::Vector3d normal = series.front().normal();
   DicomSeries kept;
   for (auto& slice : series) {
-    const bool is_copy = std::any_of(kept.rbegin(), kept.rend(), [&](const DicomSlice& other) {
-      return at_same_place(slice, other) && have_same_pixels(files, slice, other);
-    });
+    bool is_copy = false;
+    for (auto other = kept.rbegin(); other != kept.rend() && !is_copy; ++other) {
+      if (height_of(slice, normal) - height_of(*other, normal) > kSamePlaceMm) break;
+      is_copy = at_same_place(slice, *other) && sums.are_same(slice, *other);
+    }
     if (is_copy) {
       left_out["it is there twice"].push_back(slice.name);
     } else {
@@ -72,6 +99,32 @@ void drop_copies(DicomSeries& series, const StudyFiles& files, LeftOut& left_out
 
 bool shares_places(const DicomSeries& series) {
   return std::adjacent_find(series.begin(), series.end(), at_same_place) != series.end();
+}
+
+/// Whether an acquisition begins before another one ends: two table positions or two phases, whose
+/// slices would come in turns. Acquisitions that follow one another are one scan, as are slices
+/// with a number each.
+bool acquisitions_overlap(const DicomSeries& series) {
+  struct Range {
+    double low_mm;
+    double high_mm;
+  };
+  const Eigen::Vector3d normal = series.front().normal();
+  std::map<int, Range> by_number;
+  for (const auto& slice : series) {
+    const double height_mm = height_of(slice, normal);
+    by_number.try_emplace(slice.acquisition_number, Range{height_mm, 0.0}).first->second.high_mm =
+        height_mm;  // They are in order.
+  }
+  std::vector<Range> ranges;
+  for (const auto& [number, range] : by_number)
+    if (range.high_mm - range.low_mm > kSamePlaceMm) ranges.push_back(range);
+  std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) {
+    return a.low_mm < b.low_mm;
+  });
+  return std::adjacent_find(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) {
+           return b.low_mm < a.high_mm - kSamePlaceMm;
+         }) != ranges.end();
 }
 
 std::vector<DicomSeries> by_acquisition(DicomSeries series) {
@@ -138,7 +191,8 @@ std::string reason_for_few(const DicomSeries& series, const std::vector<DicomSer
     return "it has another size than the other slices of its series";
   if ((other.spacing_mm - slice.spacing_mm).cwiseAbs().maxCoeff() >= kAlike)
     return "it has another spacing than the other slices of its series";
-  return "it is turned against the other slices of its series";
+  if (!fit_together(other, slice)) return "it is turned against the other slices of its series";
+  return "it is of another acquisition than the other slices of its series, and lies among them";
 }
 
 void note_left_out(const LeftOut& left_out, const std::string& where) {
@@ -169,7 +223,7 @@ Result<std::vector<DicomSeries>> find_series(const StudyFiles& files, const std:
   for (auto& series : gathered) {
     sort_along_normal(series);
     if (shares_places(series)) drop_copies(series, files, left_out);
-    if (!shares_places(series)) {
+    if (!shares_places(series) && !acquisitions_overlap(series)) {
       whole.push_back(std::move(series));
       continue;
     }

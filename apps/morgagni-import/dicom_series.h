@@ -20,8 +20,8 @@ inline constexpr double kScanShare = 0.3;  ///< Of the progress: finding out wha
 using DicomSeries = std::vector<DicomSlice>;
 
 /// Finds the CT series among the files. What is no CT slice, is there twice or does not fit the
-/// rest of its series is left out, and named in a note. Slices of one series that lie at the same
-/// places are several acquisitions and become a series each.
+/// rest of its series is left out, and named in a note. Acquisitions of one series that lie at the
+/// same places, or among one another, become a series each.
 /// @return With kMinSlices or more, in the order of their series numbers.
 /// @errors kIo: a DICOM file that is cut short or damaged. kUnsupported: there is no CT series.
 [[nodiscard]] Result<std::vector<DicomSeries>> find_series(const StudyFiles& files,

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Morgagni authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <functional>
@@ -73,6 +74,16 @@ class DicomImport : public ImportFolder {
   Result<Volume> read(const std::string& series = {}) {
     return import_volume(folder_, {series}, {});
   }
+
+  /// And what the log says meanwhile.
+  std::pair<Result<Volume>, std::string> read_and_hear(const std::string& series = {}) {
+    testing::internal::CaptureStdout();
+    testing::internal::CaptureStderr();
+    auto volume = read(series);
+    std::string said = testing::internal::GetCapturedStdout();
+    said += testing::internal::GetCapturedStderr();
+    return {std::move(volume), said};
+  }
 };
 
 const std::vector<double> kFive = {0, 2, 4, 6, 8};
@@ -89,36 +100,88 @@ TEST_F(DicomImport, ReadsEveryUncompressedSyntax) {
   }
 }
 
-/// Slices as they come off the tools that compress them for an archive.
-class CompressedDicomImport : public DicomImport,
-                              public testing::WithParamInterface<const char*> {};
-
-TEST_P(CompressedDicomImport, GivesTheSameVoxels) {
-  write_series({.columns = 64, .rows = 48, .position_mm = {1, 2, 3}}, kFive);
-  const auto plain = read();
-  ASSERT_TRUE(plain) << plain.error().message;
-  for (const auto& entry : fs::directory_iterator(folder_)) {
-    const std::string path = "'" + entry.path().string() + "'";
-    const std::string command = std::string(GetParam()) + " " + path + " " + path +
-                                ".packed >/dev/null 2>&1 && mv " + path + ".packed " + path;
-    ASSERT_EQ(std::system(command.c_str()), 0) << command;
-  }
-  const auto packed = read();
-  ASSERT_TRUE(packed) << packed.error().message;
-  EXPECT_EQ(packed->hu, plain->hu);
-  EXPECT_TRUE(packed->ct_from_grid.isApprox(plain->ct_from_grid));
+/// Through a tool that compresses files for an archive.
+void pack(const std::string& tool, const fs::path& file) {
+  const std::string path = "'" + file.string() + "'";
+  const std::string command =
+      tool + " " + path + " " + path + ".packed >/dev/null 2>&1 && mv " + path + ".packed " + path;
+  ASSERT_EQ(std::system(command.c_str()), 0) << command;
 }
 
-INSTANTIATE_TEST_SUITE_P(Syntaxes,
-                         CompressedDicomImport,
-                         testing::Values("dcmcrle",
-                                         "dcmcjpeg +e1",
-                                         "dcmcjpeg +el",
-                                         "dcmcjpls +el",
-                                         "gdcmconv --j2k",
-                                         "dcmconv +ti",
-                                         "dcmconv +tb",
-                                         "dcmconv +td"));
+std::string transfer_syntax_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string head(1000, ' ');
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  const auto at = head.find(std::string("\x02\0\x10\0UI", 6));
+  return head.substr(at + 8, static_cast<unsigned char>(head[at + 6])).c_str();  // Without a NUL.
+}
+
+struct Packing {
+  std::string tool;
+  std::string transfer_syntax;
+  int tolerance_hu = 0;      ///< Of each voxel.
+  bool takes_signed = true;  ///< The tool.
+};
+
+class CompressedDicomImport : public DicomImport, public testing::WithParamInterface<Packing> {
+ protected:
+  /// The same series plain and packed.
+  void expect_same_voxels(const SliceText& base) {
+    const auto& [tool, transfer_syntax, tolerance_hu, takes_signed] = GetParam();
+    write_series(base, {0, 2, 4});
+    const auto plain = read();
+    ASSERT_TRUE(plain) << plain.error().message;
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      pack(tool, entry.path());
+      ASSERT_EQ(transfer_syntax_of(entry.path()), transfer_syntax);
+    }
+    const auto packed = read();
+    ASSERT_TRUE(packed) << packed.error().message;
+    EXPECT_TRUE(packed->ct_from_grid.isApprox(plain->ct_from_grid));
+    ASSERT_EQ(packed->hu.size(), plain->hu.size());
+    for (std::size_t i = 0; i < plain->hu.size(); ++i)
+      ASSERT_NEAR(packed->hu[i], plain->hu[i], tolerance_hu) << "voxel " << i;
+  }
+
+  /// From about -1,300 to 900 HU.
+  static SliceText stored_with(const char* intercept, bool is_signed, int bits_stored) {
+    return {.columns = 64,
+            .rows = 48,
+            .position_mm = {-16, -24, -4},
+            .intercept = intercept,
+            .is_signed = is_signed,
+            .bits_stored = bits_stored};
+  }
+};
+
+TEST_P(CompressedDicomImport, GivesTheSameVoxels) {
+  expect_same_voxels(stored_with("-2048", false, 12));
+  const bool is_signed = GetParam().takes_signed;
+  expect_same_voxels(stored_with(is_signed ? "0" : "-2048", is_signed, 16));
+  if (is_signed) expect_same_voxels(stored_with("0", true, 12));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Syntaxes,
+    CompressedDicomImport,
+    testing::Values(Packing{"dcmcrle", "1.2.840.10008.1.2.5"},
+                    Packing{"dcmcjpeg +eb", "1.2.840.10008.1.2.4.50", 20},
+                    Packing{"dcmcjpeg +ee", "1.2.840.10008.1.2.4.51", 20},
+                    Packing{"dcmcjpeg +el", "1.2.840.10008.1.2.4.57"},
+                    Packing{"dcmcjpeg +e1", "1.2.840.10008.1.2.4.70"},
+                    Packing{"dcmcjpls +el", "1.2.840.10008.1.2.4.80"},
+                    Packing{"dcmcjpls +en", "1.2.840.10008.1.2.4.81", 2, false},
+                    Packing{"gdcmconv --j2k", "1.2.840.10008.1.2.4.90"},
+                    Packing{"gdcmconv --j2k --lossy", "1.2.840.10008.1.2.4.91", 20},
+                    Packing{"dcmconv +ti", kImplicit},
+                    Packing{"dcmconv +tb", kBigEndian},
+                    Packing{"dcmconv +td", kDeflated}),
+    [](const auto& packing) {
+      std::string name = packing.param.tool;
+      for (char& letter : name)
+        if (std::isalnum(static_cast<unsigned char>(letter)) == 0) letter = '_';
+      return name;
+    });
 
 struct Orientation {
   const char* patient_position;
@@ -191,8 +254,11 @@ TEST_F(DicomImport, EvensOutIrregularSpacing) {
 
 TEST_F(DicomImport, BridgesASliceThatIsMissing) {
   write_series({}, {0, 2, 4, 8, 10});
-  const auto volume = read();
+  const auto [volume, said] = read_and_hear();
   ASSERT_TRUE(volume) << volume.error().message;
+  EXPECT_THAT(said,
+              HasSubstr("slices may be missing: 4.00 mm between " + (folder_ / "im0").string() +
+                        " and " + (folder_ / "im1").string() + ", more than beside them"));
   EXPECT_EQ(volume->size[2], 6);
   expect_holds(*volume, slanted_hu, 1.01);
 }
@@ -240,22 +306,24 @@ TEST_F(DicomImport, LeavesOutWhatIsNoSliceOfTheSeries) {
         slice_file(filled({.sop_instance_uid = "9.9", .position_mm = {0, 0, 6}}, slanted_hu)));
   write("dose", slice_file(filled({.modality = "SR"}, slanted_hu)));
   write("readme.txt", "hello");
-  const auto volume = read();
+  const auto [volume, said] = read_and_hear();
   ASSERT_TRUE(volume) << volume.error().message;
   EXPECT_EQ(volume->size, (std::array{6, 5, 5}));
   expect_holds(*volume, slanted_hu);
-}
-
-TEST_F(DicomImport, NamesWhatItLeavesOut) {
-  write_series({}, kFive);
-  write("scout", slice_file(filled({.image_type = "ORIGINAL\\PRIMARY\\LOCALIZER"}, slanted_hu)));
-  testing::internal::CaptureStdout();
-  testing::internal::CaptureStderr();
-  ASSERT_TRUE(read());
-  const std::string said =
-      testing::internal::GetCapturedStdout() + testing::internal::GetCapturedStderr();
-  EXPECT_THAT(said, HasSubstr("left out, because it is a localizer: "));
-  EXPECT_THAT(said, HasSubstr("/scout"));
+  const auto left_out = [&](int num, const std::string& reason, const std::string& name) {
+    return HasSubstr(std::to_string(num) + " of " + folder_.string() + " left out, because " +
+                     reason + ": " + (folder_ / name).string());
+  };
+  EXPECT_THAT(said, left_out(1, "it is a localizer", "deep/er/localizer"));
+  EXPECT_THAT(said, left_out(1, "it has no pixels", "no_pixels"));
+  EXPECT_THAT(said, left_out(1, "it has no position in space", "no_place"));
+  EXPECT_THAT(said, left_out(1, "it is turned against the other slices of its series", "turned"));
+  EXPECT_THAT(said,
+              left_out(1, "it has another size than the other slices of its series", "larger"));
+  EXPECT_THAT(said, left_out(1, "its modality is SR, not CT", "dose"));
+  EXPECT_THAT(said, left_out(1, "it is no DICOM file", "readme.txt"));
+  // Of two that are the same the later name goes.
+  EXPECT_THAT(said, left_out(2, "it is there twice", "im"));
 }
 
 TEST_F(DicomImport, LeavesOutTheEndOfAnotherScan) {
@@ -317,6 +385,45 @@ TEST_F(DicomImport, TakesAcquisitionsOfOneSeriesApart) {
   expect_holds(*volume, later);
 }
 
+TEST_F(DicomImport, TakesAcquisitionsThatLieAmongOneAnotherApart) {
+  const Body later = [](const Eigen::Vector3d& place) { return slanted_hu(place) + 300.0; };
+  for (const std::vector<double>& heights_mm :
+       {std::vector<double>{1, 3, 5, 7, 9}, {7, 9, 11, 13}, {-3, -1, 1, 3, 5, 7, 9, 11}}) {
+    write_series({.acquisition_number = 1}, kFive, slanted_hu, "a/");
+    write_series({.acquisition_number = 2}, heights_mm, later, "b/");
+    EXPECT_THAT(error_of(folder_), HasSubstr("several CT series (1: \"made\" with 5 slices, 2: "));
+    const auto volume = read("2");
+    ASSERT_TRUE(volume) << volume.error().message;
+    EXPECT_EQ(volume->size[2], heights_mm.size());
+    expect_holds(*volume, later);
+    fs::remove_all(folder_ / "b");
+  }
+}
+
+TEST_F(DicomImport, PutsAcquisitionsThatFollowOneAnotherTogether) {
+  write_series({.acquisition_number = 2}, {0, 2, 4}, slanted_hu, "a/");
+  write_series({.acquisition_number = 1}, {6, 8, 10}, slanted_hu, "b/");
+  for (int k = 0; k < 4; ++k)
+    write_series(
+        {.acquisition_number = 3 + k}, {12.0 + 2 * k}, slanted_hu, "c" + std::to_string(k));
+  const auto volume = read();
+  ASSERT_TRUE(volume) << volume.error().message;
+  EXPECT_EQ(volume->size[2], 10);
+  expect_holds(*volume, slanted_hu);
+}
+
+TEST_F(DicomImport, NamesTheFewSlicesOfAnotherAcquisition) {
+  write_series({.acquisition_number = 1}, kFive, slanted_hu, "a/");
+  write_series({.acquisition_number = 2}, {3, 5}, slanted_hu, "b/");
+  const auto [volume, said] = read_and_hear();
+  ASSERT_TRUE(volume) << volume.error().message;
+  EXPECT_EQ(volume->size[2], 5);
+  EXPECT_THAT(said,
+              HasSubstr("2 of " + folder_.string() + " left out, because it is of another " +
+                        "acquisition than the other slices of its series, and lies among them: " +
+                        (folder_ / "b/im").string()));
+}
+
 TEST_F(DicomImport, RefusesPhasesThatCannotBeToldApart) {
   write_series({}, kFive);
   const Body later = [](const Eigen::Vector3d& place) { return slanted_hu(place) + 9.0; };
@@ -331,7 +438,11 @@ TEST_F(DicomImport, RefusesTooFewSlices) {
 }
 
 /// An enhanced CT: one file, what all frames share beside what each has of its own.
-std::string multi_frame_file(const char* syntax, const std::vector<double>& heights_mm) {
+std::string multi_frame_file(const char* syntax,
+                             const std::vector<double>& heights_mm,
+                             int columns = 6,
+                             int rows = 5,
+                             const Body& hu_at = slanted_hu) {
   DicomWriter shared(syntax);
   DicomWriter orientation(syntax);
   orientation.text(0x0020'0037, "DS", "0\\1\\0\\-1\\0\\0");
@@ -351,11 +462,13 @@ std::string multi_frame_file(const char* syntax, const std::vector<double>& heig
     DicomWriter frame(syntax);
     frame.sequence(0x0020'9113, {position.data()});
     frames.push_back(frame.data());
-    SliceText slice = {.position_mm = {4, 5, height_mm},
+    SliceText slice = {.columns = columns,
+                       .rows = rows,
+                       .position_mm = {4, 5, height_mm},
                        .along_row = {0, 1, 0},
                        .down_column = {-1, 0, 0},
                        .intercept = "-500"};
-    const auto pixels = filled(slice, slanted_hu).stored;
+    const auto pixels = filled(slice, hu_at).stored;
     stored.insert(stored.end(), pixels.begin(), pixels.end());
   }
   DicomWriter out(syntax);
@@ -367,8 +480,8 @@ std::string multi_frame_file(const char* syntax, const std::vector<double>& heig
   out.number(0x0028'0002, 1);
   out.text(0x0028'0004, "CS", "MONOCHROME2");
   out.text(0x0028'0008, "IS", std::to_string(heights_mm.size()));
-  out.number(0x0028'0010, 5);
-  out.number(0x0028'0011, 6);
+  out.number(0x0028'0010, static_cast<std::uint16_t>(rows));
+  out.number(0x0028'0011, static_cast<std::uint16_t>(columns));
   out.number(0x0028'0100, 16);
   out.number(0x0028'0101, 16);
   out.number(0x0028'0102, 15);
@@ -394,11 +507,50 @@ TEST_F(DicomImport, ReadsAnEnhancedMultiFrameCt) {
 
 TEST_F(DicomImport, ReadsCompressedFrames) {
   const auto path = write("frames.dcm", multi_frame_file(kExplicit, {8, 2, 4, 6}));
-  const std::string command = "dcmcrle '" + path.string() + "' '" + path.string() + "'";
-  ASSERT_EQ(std::system(command.c_str()), 0);
+  pack("dcmcrle", path);
   const auto volume = import_volume(path, {}, {});
   ASSERT_TRUE(volume) << volume.error().message;
   expect_holds(*volume, slanted_hu);
+}
+
+int num_fragments(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  const std::string item("\xfe\xff\0\xe0", 4);
+  int count = -1;  // The first is the offset table.
+  for (auto at = bytes.find(std::string("\xe0\x7f\x10\0", 4)); at != std::string::npos;
+       at = bytes.find(item, at + 1))
+    ++count;
+  return count - 1;
+}
+
+/// The offset table alone tells the frames apart then.
+TEST_F(DicomImport, ReadsFramesOfSeveralFragments) {
+  const Body rough = [](const Eigen::Vector3d& place) {
+    return std::round(600.0 + 1000.0 * std::sin(1e4 * place.dot(Eigen::Vector3d(1.0, 1.7, 2.3))));
+  };
+  constexpr int kNumFrames = 4;
+  const std::string file = multi_frame_file(kExplicit, {8, 2, 4, 6}, 64, 48, rough);
+  for (const std::string tool : {"dcmcjpeg +e1 +fs 1", "dcmcjpls +el +fs 1", "dcmcrle +fs 1"}) {
+    SCOPED_TRACE(tool);
+    auto path = write("frames.dcm", file);
+    pack(tool, path);
+    ASSERT_GT(num_fragments(path), 2 * kNumFrames);
+    const auto volume = import_volume(path, {}, {});
+    ASSERT_TRUE(volume) << volume.error().message;
+    expect_holds(*volume, rough);
+    path = write("frames.dcm", file);
+    pack(tool + " -ot", path);
+    EXPECT_THAT(error_of(path), HasSubstr("damaged or missing pixels"));
+  }
+  write_series({.columns = 64, .rows = 48, .intercept = "-2048"}, kFive, rough, "single/");
+  for (const auto& entry : fs::directory_iterator(folder_ / "single")) {
+    pack("dcmcjpeg +e1 +fs 1", entry.path());
+    ASSERT_GT(num_fragments(entry.path()), 2);
+  }
+  const auto volume = import_volume(folder_ / "single", {}, {});
+  ASSERT_TRUE(volume) << volume.error().message;
+  expect_holds(*volume, rough);
 }
 
 TEST_F(DicomImport, RefusesFramesWithoutPlaces) {
