@@ -7,10 +7,13 @@
 #include <cstdlib>
 #include <string>
 
+#include <openssl/ssl.h>
+
 #include "morgagni/pacs/dimse_protocol.h"
 
 #include "confine.h"
 #include "dcmtk/config/osconfig.h"
+#include "dcmtk/dcmdata/dcdict.h"
 #include "dcmtk/oflog/oflog.h"
 #include "messages.h"
 #include "services.h"
@@ -27,7 +30,16 @@ std::string read_task() {
   return text;
 }
 
+/// What the libraries read from files of their own, while they still may.
+void load_own_files() {
+  (void)dcmDataDict.rdlock();
+  dcmDataDict.rdunlock();
+  (void)OPENSSL_init_ssl(0, nullptr);
+}
+
 Result<int> run(const Task& task) {
+  load_own_files();
+  MOR_CHECK(confine(task));
   if (task.name == kEcho) return echo(task);
   if (task.name == kFind) return find(task);
   if (task.name == kGet) return get(task);
@@ -48,7 +60,6 @@ int main() {
     std::fputs("morgagni-dimse is started by morgagni, with a task on standard input.\n", stderr);
     return 2;
   }
-  confine(task->max_object_bytes);
   const auto outcome = run(*task);
   if (!outcome) {
     say_failed(outcome.error());

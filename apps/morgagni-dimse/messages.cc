@@ -34,6 +34,10 @@ void say_caller(std::string_view aet) {
   say({{kCaller, aet}});
 }
 
+void say_weakness(std::string_view sentence) {
+  say({{kWeakness, sentence}});
+}
+
 void say_refused(std::string_view why) {
   say({{kRefused, why}});
 }

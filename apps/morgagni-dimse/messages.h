@@ -17,6 +17,8 @@ using Tags = std::map<std::string, std::string>;
 void say_match(const Tags& tags);
 void say_stored(std::string_view file, std::uint64_t bytes, const Tags& tags);
 void say_caller(std::string_view aet);
+/// Of a limit of this process that does not hold on this machine.
+void say_weakness(std::string_view sentence);
 void say_refused(std::string_view why);
 void say_done(int num_failed);
 void say_failed(const Error& error);

@@ -20,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 Result<void> work(const ImportJob& job) {
+  if (job.task == kTryLimitsTask) return {};
   if (job.task == kReadMeshTask) return import_mesh_file(job.path);
   const bool is_study = fs::is_directory(job.path) || is_study_file(job.path);
   if (job.task == kReadLabelsTask) {

@@ -17,8 +17,9 @@ int main(int argc, char** argv) {
     std::fputs("morgagni-import is started by morgagni, it is of no use alone.\n", stderr);
     return 2;
   }
-  mor::import::give_up_rights(argv[2]);
-  if (const auto done = mor::import::do_job({argv[1], argv[2], argv[3]}); !done) {
+  auto done = mor::import::give_up_rights(argv[2]);
+  if (done) done = mor::import::do_job({argv[1], argv[2], argv[3]});
+  if (!done) {
     mor::import::say_error(done.error());
     std::_Exit(1);
   }

@@ -48,6 +48,9 @@ void say_file(std::string_view name) {
 void say_note(std::string_view sentence) {
   say('n', sentence);
 }
+void say_weakness(std::string_view sentence) {
+  say('w', sentence);
+}
 
 void say_series(const CtSeries& series) {
   std::string line;

@@ -19,6 +19,8 @@ namespace mor::import {
 void say_progress(double fraction);
 void say_file(std::string_view name);
 void say_note(std::string_view sentence);
+/// Of a limit of this process that does not hold on this machine.
+void say_weakness(std::string_view sentence);
 void say_series(const CtSeries& series);
 /// @param color  Red, green, blue, 0 to 1.
 void say_label(int value, const std::array<double, 3>& color, std::string_view name);

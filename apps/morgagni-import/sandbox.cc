@@ -6,6 +6,7 @@
 #include <array>
 #include <cerrno>
 #include <fstream>
+#include <system_error>
 
 #include <fcntl.h>
 #include <seccomp.h>
@@ -16,6 +17,7 @@
 
 #include "morgagni/ct/import_protocol.h"
 
+#include "messages.h"
 #include "sight.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -123,10 +125,10 @@ void allow(scmp_filter_ctx filter, int call, const scmp_arg_cmp& only) {
   (void)::seccomp_rule_add(filter, SCMP_ACT_ALLOW, call, 1, only);
 }
 
-/// Without it (an old kernel, a container that forbids it) the other limits still hold.
-void filter_system_calls() {
+/// All that a file which takes this process over could still do hangs on this one.
+Result<void> filter_system_calls() {
   scmp_filter_ctx filter = ::seccomp_init(SCMP_ACT_ERRNO(EPERM));
-  if (filter == nullptr) return;
+  if (filter == nullptr) return make_error(ErrorCode::kInternal, "no memory for the filter");
   for (const int call : kAllowed) (void)::seccomp_rule_add(filter, SCMP_ACT_ALLOW, call, 0);
   for (const int call : kDeadly) (void)::seccomp_rule_add(filter, SCMP_ACT_KILL_PROCESS, call, 0);
   constexpr scmp_datum_t kWritingFlags = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC;
@@ -136,13 +138,20 @@ void filter_system_calls() {
   const auto self = static_cast<scmp_datum_t>(::getpid());
   allow(filter, SCMP_SYS(prlimit64), SCMP_A0(SCMP_CMP_EQ, 0));
   allow(filter, SCMP_SYS(tgkill), SCMP_A0(SCMP_CMP_EQ, self));
-  (void)::seccomp_load(filter);
+  (void)::seccomp_attr_set(filter, SCMP_FLTATR_API_SYSRAWRC, 1);  // Why, not only that it fails.
+  const int failure = ::seccomp_load(filter);
   ::seccomp_release(filter);
+  if (failure == 0) return {};
+  return make_error(ErrorCode::kUnsupported,
+                    "nothing is read, because the process that reads cannot give up its system "
+                    "calls on this machine (seccomp: " +
+                        std::generic_category().message(-failure) +
+                        "): allow seccomp, in a container too");
 }
 
 }  // namespace
 
-void give_up_rights(const std::filesystem::path& to_read) {
+Result<void> give_up_rights(const std::filesystem::path& to_read) {
   constexpr rlim_t kMaxCpuSeconds = 300;
   constexpr rlim_t kMaxOpenFiles = 64;
   limit(RLIMIT_CPU, kMaxCpuSeconds, kMaxCpuSeconds);
@@ -152,12 +161,14 @@ void give_up_rights(const std::filesystem::path& to_read) {
   ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
   ::prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0);
   // A sanitizer needs memory and system calls of its own.
-  if (MOR_IMPORT_SANITIZED == 0) {
-    (void)bytes_at_start();  // Asked for while /proc can be seen.
-    see_only(to_read);
-    limit(RLIMIT_DATA, bytes_at_start() + kFreeBytes, bytes_at_start() + kMostBytes);
-    filter_system_calls();
+  if (MOR_IMPORT_SANITIZED != 0) return {};
+  (void)bytes_at_start();  // Asked for while /proc can be seen.
+  if (const auto hidden = see_only(to_read); !hidden) {
+    say_weakness("the process that reads files can open all that you can (" +
+                 hidden.error().message + "): read no files that nobody vouches for");
   }
+  limit(RLIMIT_DATA, bytes_at_start() + kFreeBytes, bytes_at_start() + kMostBytes);
+  return filter_system_calls();
 }
 
 void limit_time_for(std::uint64_t file_bytes) {

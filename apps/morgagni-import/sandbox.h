@@ -5,13 +5,16 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "morgagni/core/result.h"
+
 namespace mor::import {
 
 /// Gives up everything that reading a file does not need, for good: more than 300 s of processor
 /// time, more than 256 MiB until a size is declared, writing or making files, opening other files
 /// than those of the job, the network, other programs. What a hostile file makes of this process
-/// stays within it.
-void give_up_rights(const std::filesystem::path& to_read);
+/// stays within it. Where other files cannot be closed (an old kernel) that is said.
+/// @errors kUnsupported: system calls cannot be given up, so that nothing may be read.
+[[nodiscard]] Result<void> give_up_rights(const std::filesystem::path& to_read);
 
 /// Raises the memory limit to 256 MiB and what a file has declared, once that was found plausible.
 void allow_memory(std::uint64_t declared_bytes);

@@ -6,22 +6,15 @@
 #include <cctype>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
-#include <fcntl.h>
-#include <linux/landlock.h>
-#include <sys/prctl.h>
-#include <sys/syscall.h>
-#include <unistd.h>
+#include "morgagni/core/open_paths.h"
 
 namespace mor::import {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::uint64_t kReading = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;
-/// All that the first version of Landlock knows.
-constexpr std::uint64_t kEverything = (LANDLOCK_ACCESS_FS_MAKE_SYM << 1U) - 1;
 
 bool names_other_files(const fs::path& file) {
   std::string name = file.filename().string();
@@ -47,34 +40,17 @@ std::vector<fs::path> linked_files(const fs::path& folder) {
   return files;
 }
 
-void show(int rules, const fs::path& path) {
-  const int fd = ::open(path.c_str(), O_PATH | O_CLOEXEC);
-  if (fd < 0) return;
-  std::error_code failure;
-  const bool is_folder = fs::is_directory(path, failure);
-  const landlock_path_beneath_attr beneath = {
-      is_folder ? kReading : std::uint64_t{LANDLOCK_ACCESS_FS_READ_FILE}, fd};
-  (void)::syscall(SYS_landlock_add_rule, rules, LANDLOCK_RULE_PATH_BENEATH, &beneath, 0);
-  ::close(fd);
-}
-
 }  // namespace
 
-void see_only(const fs::path& path) {
-  const landlock_ruleset_attr handled = {kEverything};
-  const int rules =
-      static_cast<int>(::syscall(SYS_landlock_create_ruleset, &handled, sizeof(handled), 0));
-  if (rules < 0) return;
+Result<void> see_only(const fs::path& path) {
+  std::vector<OpenPath> visible = {{path}};
   std::error_code failure;
-  show(rules, path);
   if (fs::is_directory(path, failure)) {
-    for (const auto& file : linked_files(path)) show(rules, file);
+    for (auto& file : linked_files(path)) visible.push_back({std::move(file)});
   } else if (names_other_files(path)) {
-    show(rules, path.has_parent_path() ? path.parent_path() : fs::path("."));
+    visible.push_back({path.has_parent_path() ? path.parent_path() : fs::path(".")});
   }
-  ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
-  (void)::syscall(SYS_landlock_restrict_self, rules, 0);
-  ::close(rules);
+  return open_only(visible);
 }
 
 }  // namespace mor::import

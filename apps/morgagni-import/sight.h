@@ -4,11 +4,13 @@
 
 #include <filesystem>
 
+#include "morgagni/core/result.h"
+
 namespace mor::import {
 
 /// Leaves this process, for good, no files to open but those it was started for: the file, or the
 /// folder with what its links name; beside heads that name other files (.mhd, .nhdr, DICOMDIR)
-/// their folder. A kernel without Landlock (before 5.13) leaves everything readable.
-void see_only(const std::filesystem::path& path);
+/// their folder. @errors As open_only().
+[[nodiscard]] Result<void> see_only(const std::filesystem::path& path);
 
 }  // namespace mor::import

@@ -17,6 +17,7 @@
 #include "morgagni/camera/v4l2_camera.h"
 #include "morgagni/compute/compute_device.h"
 #include "morgagni/core/version.h"
+#include "morgagni/ct/volume_import.h"
 #include "morgagni/render/overlay_renderer.h"
 
 #include "commands.h"
@@ -33,6 +34,7 @@ struct Findings {
   Result<int> num_kinects;  ///< That libfreenect sees.
   std::vector<DepthVideoDevice> video_devices;
   std::vector<KeptCalibration> calibrations;  ///< The newest of each device.
+  Result<std::string> import_weakness;        ///< Empty: all of the import process's limits hold.
 };
 
 Result<std::string> find_opengl_device() {
@@ -47,7 +49,8 @@ Findings look_around() {
                     list_usb_cameras(),
                     count_freenect_devices(FreenectOptions{}.library),
                     list_depth_video_devices(),
-                    CalibrationStore().list()};
+                    CalibrationStore().list(),
+                    weakness_of_import()};
   if (const auto chosen = choose_compute_device(findings.opencl_devices, "opencl"); !chosen) {
     findings.opencl_advice = chosen.error().message;
   }
@@ -138,6 +141,11 @@ std::string to_text(const Findings& findings) {
   text += fmt::format(
       "\nOpenGL (the live picture)\n  {}\n",
       findings.opengl_device ? *findings.opengl_device : findings.opengl_device.error().message);
+  const auto& weakness = findings.import_weakness;
+  text += fmt::format("\nReading CTs that nobody vouches for\n  {}\n",
+                      !weakness           ? weakness.error().message
+                      : weakness->empty() ? "all limits of the import process hold"
+                                          : *weakness);
   return text + cameras_text(findings);
 }
 
@@ -177,10 +185,12 @@ std::string to_json(const Findings& findings) {
   }
   const auto& opengl = findings.opengl_device;
   const auto& kinects = findings.num_kinects;
+  const auto& weakness = findings.import_weakness;
   const nlohmann::ordered_json json = {
       {"version", kVersion},
       {"opencl_devices", devices},
       {"opengl_device", opengl ? nlohmann::ordered_json(*opengl) : nlohmann::ordered_json()},
+      {"import_weakness", weakness ? *weakness : weakness.error().message},
       {"range_cameras", cameras},
       {"depth_video_devices", video_devices},
       {"calibrations", calibrations},

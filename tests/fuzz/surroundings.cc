@@ -41,7 +41,9 @@ ImportHeader header;
 
 namespace import {
 
-void give_up_rights(const std::filesystem::path&) {}
+Result<void> give_up_rights(const std::filesystem::path&) {
+  return {};
+}
 void allow_memory(std::uint64_t) {}
 void spend_on_hand_over(std::uint64_t) {}
 void limit_time_for(std::uint64_t) {}

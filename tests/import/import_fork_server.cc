@@ -46,8 +46,9 @@ std::vector<std::string> words_of(const std::string& text) {
   ::dup2(files[0], mor::kImportMessagesFd);
   ::dup2(files[1], mor::kImportVoxelsFd);
   ::close_range(mor::kImportVoxelsFd + 1, ~0U, 0);
-  mor::import::give_up_rights(words[1]);
-  if (const auto done = mor::import::do_job({words[0], words[1], words[2]}); !done) {
+  auto done = mor::import::give_up_rights(words[1]);
+  if (done) done = mor::import::do_job({words[0], words[1], words[2]});
+  if (!done) {
     mor::import::say_error(done.error());
     std::_Exit(1);
   }

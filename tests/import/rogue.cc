@@ -9,12 +9,14 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <map>
 #include <string>
 #include <thread>
 
 #include <fcntl.h>
 #include <sched.h>
+#include <seccomp.h>
 #include <sys/ptrace.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -89,6 +91,13 @@ void run_program() {
   tell(::execv("/bin/true", arguments.data()));
 }
 
+/// As on a machine that does not have these system calls.
+void forbid(std::initializer_list<int> calls) {
+  scmp_filter_ctx filter = ::seccomp_init(SCMP_ACT_ALLOW);
+  for (const int call : calls) (void)::seccomp_rule_add(filter, SCMP_ACT_ERRNO(ENOSYS), call, 0);
+  (void)::seccomp_load(filter);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -126,9 +135,17 @@ int main(int argc, char** argv) {
        }},
       {"crash", [] { std::raise(SIGSEGV); }},
       {"end well with nothing", [] {}},
+      {"no Landlock", [] { tell(::open("/etc/passwd", O_RDONLY)); }},
+      {"no seccomp", [] { tell(0); }},
   };
   mor::import::say_file(path.string());
-  mor::import::give_up_rights(path);
+  const std::string machine = argv[3];
+  if (machine == "no Landlock") forbid({SCMP_SYS(landlock_create_ruleset)});
+  if (machine == "no seccomp") forbid({SCMP_SYS(seccomp), SCMP_SYS(prctl)});
+  if (const auto done = mor::import::give_up_rights(path); !done) {
+    say_error(done.error());
+    return 1;
+  }
   attempts.at(argv[3])();
   return 0;
 }

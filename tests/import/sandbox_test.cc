@@ -111,6 +111,20 @@ TEST_F(Sandbox, OtherFilesStayClosed) {
     expect_refused(attempt, "Permission denied");
 }
 
+TEST_F(Sandbox, SaysWhatDoesNotHoldOnThisMachine) {
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(outcome("no Landlock"), "IT WORKED");
+  EXPECT_EQ(outcome("no Landlock"), "IT WORKED");
+  std::string said = testing::internal::GetCapturedStdout();
+  said += testing::internal::GetCapturedStderr();
+  const std::string sentence =
+      "can open all that you can (Landlock: Function not implemented): read no files that nobody";
+  EXPECT_THAT(said, HasSubstr(sentence));
+  EXPECT_EQ(said.find(sentence), said.rfind(sentence)) << "said once: " << said;
+  EXPECT_THAT(outcome("no seccomp"), HasSubstr("nothing is read, because"));
+}
+
 TEST_F(Sandbox, DeathAndSilenceAreToldWithTheFile) {
   EXPECT_THAT(outcome("crash"),
               HasSubstr("died (Segmentation fault) while reading " +

@@ -14,6 +14,7 @@ namespace mor {
 ///   p FRACTION        progress, 0 to 1
 ///   f NAME            the file that is read now, so that a crash can be blamed on it
 ///   n SENTENCE        a note: something was skipped or changed
+///   w SENTENCE        a limit of the process that does not hold on this machine
 ///   s FIELDS          a series: the fields of CtSeries in their order, each ended by a tab
 ///   l VALUE RED GREEN BLUE NAME   what a label means
 ///   k COUNT           how many label maps the file holds; SERIES asks for one by its number
@@ -23,6 +24,7 @@ inline constexpr const char* kReadVolumeTask = "volume";
 inline constexpr const char* kReadLabelsTask = "labels";  ///< As a volume; voxels are labels.
 inline constexpr const char* kReadMeshTask = "mesh";      ///< An ImportMeshHeader, then the mesh.
 inline constexpr const char* kListSeriesTask = "list-series";
+inline constexpr const char* kTryLimitsTask = "try-limits";  ///< Gives up its rights, then ends.
 inline constexpr int kImportMessagesFd = 3;
 inline constexpr int kImportVoxelsFd = 4;
 inline constexpr std::array<char, 8> kImportMagic = {'M', 'O', 'R', 'V', 'O', 'L', '0', '1'};

@@ -39,6 +39,11 @@ Result<std::vector<CtSeries>> list_ct_series(const std::filesystem::path& path,
   return internal::run_series_process(program, {kListSeriesTask, path, {}}, kTimeLimit, progress);
 }
 
+Result<std::string> weakness_of_import() {
+  MOR_TRY(const auto program, internal::find_import_program());
+  return internal::run_limits_process(program, kTimeLimit);
+}
+
 Result<LabelMap> import_label_map(const std::filesystem::path& path, const Progress& progress) {
   MOR_TRY(const auto program, program_for(path));
   return internal::run_label_process(program, {kReadLabelsTask, path, {}}, kTimeLimit, progress);

@@ -41,4 +41,8 @@ struct ImportOptions {
 [[nodiscard]] Result<std::vector<CtSeries>> list_ct_series(const std::filesystem::path& path,
                                                            const Progress& progress);
 
+/// Which limit of the import process does not hold on this machine, a sentence; empty: all hold.
+/// @errors kUnsupported: too few hold, nothing is read here. kNotFound: there is no such program.
+[[nodiscard]] Result<std::string> weakness_of_import();
+
 }  // namespace mor

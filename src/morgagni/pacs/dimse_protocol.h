@@ -23,8 +23,9 @@ inline constexpr const char* kMatch = "match";      ///< An object: tag ("002000
 inline constexpr const char* kStored = "stored";    ///< "file", "bytes", "tags".
 inline constexpr const char* kCaller = "caller";    ///< AE title of who connected.
 inline constexpr const char* kRefused = "refused";  ///< Why something that was sent was not taken.
-inline constexpr const char* kDone = "done";        ///< Sub-operations that "failed", if any.
-inline constexpr const char* kFailed = "failed";    ///< A sentence, with the error's "code".
+inline constexpr const char* kWeakness = "weakness";  ///< A limit that this machine does not have.
+inline constexpr const char* kDone = "done";          ///< Sub-operations that "failed", if any.
+inline constexpr const char* kFailed = "failed";      ///< A sentence, with the error's "code".
 
 /// The connection of `receive`, by number.
 inline constexpr int kSocketFd = 3;

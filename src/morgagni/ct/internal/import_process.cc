@@ -8,6 +8,7 @@
 #include <charconv>
 #include <csignal>
 #include <cstring>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -51,6 +52,7 @@ struct Talk {
   std::vector<CtSeries> series;
   std::vector<LabelName> labels;
   std::string frame;
+  std::string weakness;
   int num_maps = 1;
   int num_notes = 0;
   bool broken = false;
@@ -126,6 +128,10 @@ void hear_line(std::string_view line, Talk& talk, const Progress& progress) {
     talk.current_file = printable_text(text);
   } else if (line[0] == 'n') {
     if (++talk.num_notes <= kMaxNotes) log::warn("{}", printable_text(text));
+  } else if (line[0] == 'w') {
+    talk.weakness = printable_text(text);
+    static std::once_flag told;  // It is the machine's, not the file's.
+    std::call_once(told, [&] { log::warn("{}", talk.weakness); });
   } else if (line[0] == 's') {
     if (auto series = series_of(text); series && talk.series.size() < kMaxSeries)
       talk.series.push_back(*std::move(series));
@@ -385,6 +391,13 @@ Result<std::vector<CtSeries>> run_series_process(const std::filesystem::path& pr
   MOR_TRY(Talk talk, converse(program, job, nothing, time_limit, progress));
   if (progress) progress(kStage, 1.0);
   return std::move(talk.series);
+}
+
+Result<std::string> run_limits_process(const std::filesystem::path& program,
+                                       std::chrono::seconds time_limit) {
+  const UniqueFd nothing(above_the_fixed_ones(::memfd_create("morgagni-import", MFD_CLOEXEC)));
+  MOR_TRY(Talk talk, converse(program, {kTryLimitsTask, "/dev/null", {}}, nothing, time_limit, {}));
+  return std::move(talk.weakness);
 }
 
 }  // namespace mor::internal

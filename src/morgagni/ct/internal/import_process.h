@@ -58,4 +58,8 @@ struct ImportedMesh {
                                                                std::chrono::seconds time_limit,
                                                                const Progress& progress);
 
+/// Which of its limits does not hold on this machine, a sentence; empty: they all do.
+[[nodiscard]] Result<std::string> run_limits_process(const std::filesystem::path& program,
+                                                     std::chrono::seconds time_limit);
+
 }  // namespace mor::internal

@@ -3,9 +3,11 @@
 #include "morgagni/pacs/internal/dimse_talk.h"
 
 #include <cstdint>
+#include <mutex>
 
 #include <nlohmann/json.hpp>
 
+#include "morgagni/core/log.h"
 #include "morgagni/pacs/dimse_protocol.h"
 
 namespace mor::internal {
@@ -57,6 +59,10 @@ void DimseTalk::hear_line(std::string_view line) {
     if (events_.caller) events_.caller(terminal_text(json[dimse::kCaller].get<std::string>()));
   } else if (json.contains(dimse::kRefused)) {
     if (events_.refused) events_.refused(terminal_text(json[dimse::kRefused].get<std::string>()));
+  } else if (json.contains(dimse::kWeakness)) {
+    const auto sentence = terminal_text(json[dimse::kWeakness].get<std::string>());
+    static std::once_flag told;  // It is the machine's, not the peer's.
+    std::call_once(told, [&] { log::warn("{}", sentence); });
   } else if (json.contains(dimse::kFailed)) {
     outcome_ = make_error(code_of(json), terminal_text(json[dimse::kFailed].get<std::string>()));
   } else if (const auto& done = json.at(dimse::kDone); done.is_number_integer()) {
