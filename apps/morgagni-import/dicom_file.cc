@@ -41,6 +41,7 @@ constexpr std::array kWanted = {Tag::kStructureRois,
                                 Tag::kModality,
                                 Tag::kSeriesDescription,
                                 Tag::kPatientId,
+                                Tag::kSliceThickness,
                                 Tag::kPatientPosition,
                                 Tag::kFrameTypes,
                                 Tag::kFrameType,
@@ -291,6 +292,14 @@ std::optional<Encoding> encoding_without_preamble(Bytes bytes) {
   return Encoding{false, false};
 }
 
+constexpr std::string_view kDeflated = "1.2.840.10008.1.2.1.99";
+
+/// Everything but the oldest two is explicit little endian, the compressed ones too.
+Encoding encoding_of(const std::string& transfer_syntax) {
+  return {!(transfer_syntax == "1.2.840.10008.1.2" || transfer_syntax.empty()),
+          transfer_syntax == "1.2.840.10008.1.2.2"};
+}
+
 Result<DicomFile> parse_without_preamble(Bytes bytes) {
   const auto no_dicom = make_error(ErrorCode::kUnsupported, "is no DICOM file");
   const auto encoding = encoding_without_preamble(bytes);
@@ -360,17 +369,25 @@ Result<DicomFile> parse_dicom(Bytes bytes) {
   MOR_TRY(file.transfer_syntax, meta.read_meta_group());
   rest = rest.subspan(meta.at());
   const std::string& syntax = file.transfer_syntax;
-  if (syntax == "1.2.840.10008.1.2.1.99") {
+  if (syntax == kDeflated) {
     MOR_TRY(file.inflated, inflate_raw(rest));
     rest = file.inflated;
   }
-  // Everything but the oldest two is explicit little endian, the compressed ones too.
-  const Encoding encoding = {!(syntax == "1.2.840.10008.1.2" || syntax.empty()),
-                             syntax == "1.2.840.10008.1.2.2"};
-  MOR_CHECK(Parser(rest, encoding).read_top(file.data));
+  MOR_CHECK(Parser(rest, encoding_of(syntax)).read_top(file.data));
   const auto* pixels = file.data.find(Tag::kPixelData);
   file.is_encapsulated = pixels != nullptr && !pixels->fragments.empty();
   return file;
+}
+
+std::string series_uid_of_damaged(Bytes bytes) {
+  if (!says_dicom(bytes)) return {};
+  const Bytes rest = bytes.subspan(kPreambleBytes + 4);
+  Parser meta(rest, {});
+  const auto syntax = meta.read_meta_group();
+  if (!syntax || *syntax == kDeflated) return {};
+  DicomDataSet data;
+  (void)Parser(rest.subspan(meta.at()), encoding_of(*syntax)).read_top(data);
+  return data.text(Tag::kSeriesUid);
 }
 
 }  // namespace mor::import

@@ -22,6 +22,7 @@ enum class Tag : std::uint32_t {
   kModality = 0x0008'0060,
   kSeriesDescription = 0x0008'103e,
   kPatientId = 0x0010'0020,
+  kSliceThickness = 0x0018'0050,
   kPatientPosition = 0x0018'5100,
   kFrameTypes = 0x0018'9329,
   kFrameType = 0x0008'9007,
@@ -113,5 +114,9 @@ inline constexpr int kMaxDicomNesting = 64;
 ///         kInvalidArgument: sequences nested deeper than kMaxDicomNesting; a deflated one that
 ///         swells beyond reason.
 [[nodiscard]] Result<DicomFile> parse_dicom(std::span<const std::byte> bytes);
+
+/// The Series Instance UID of a file that is cut short behind it; empty where it is not to be
+/// found.
+[[nodiscard]] std::string series_uid_of_damaged(std::span<const std::byte> bytes);
 
 }  // namespace mor::import

@@ -149,14 +149,28 @@ Result<std::vector<double>> heights_of(const Segmentation& seg) {
   return heights;
 }
 
+/// How thick frames are that all lie at one height, as far as that is said.
+double thickness_mm(const Segmentation& seg) {
+  for (const auto* groups : {seg.file.data.item(Tag::kSharedGroups),
+                             &seg.file.data.find(Tag::kFrameGroups)->items.front()}) {
+    const auto* measures = groups == nullptr ? nullptr : groups->item(Tag::kPixelMeasures);
+    if (measures == nullptr) continue;
+    const auto said = measures->numbers(Tag::kSliceThickness);
+    if (said.size() == 1 && said[0] > 0.0) return said[0];
+  }
+  return seg.frames[0].place.spacing_mm.minCoeff();
+}
+
 /// Puts each frame on a layer of an even grid.
 Result<ImportHeader> make_grid(Segmentation& seg) {
   MOR_TRY(const auto heights, heights_of(seg));
   const auto& first = seg.frames[0].place;
-  double step_mm = heights.size() > 1 ? heights[1] - heights[0] : first.spacing_mm.minCoeff();
+  double step_mm = heights.size() > 1 ? heights[1] - heights[0] : thickness_mm(seg);
   for (std::size_t i = 2; i < heights.size(); ++i)
     step_mm = std::min(step_mm, heights[i] - heights[i - 1]);
-  const double num_layers = std::round((heights.back() - heights[0]) / step_mm) + 1.0;
+  // A volume has two layers or more: above a single one there is an empty one.
+  const double num_layers =
+      std::max(2.0, std::round((heights.back() - heights[0]) / step_mm) + 1.0);
   if (!(num_layers <= kMaxVolumeSide) || std::max(first.columns, first.rows) > kMaxVolumeSide ||
       2.0 * num_layers * first.columns * first.rows > static_cast<double>(kMaxVolumeBytes)) {
     return refuse(ErrorCode::kInvalidArgument,

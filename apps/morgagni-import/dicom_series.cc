@@ -140,7 +140,9 @@ std::string gone_wrong(const std::string& name, const Error& error) {
 }
 
 /// Reads all files' heads and puts slices that fit together into one series.
-Result<std::vector<DicomSeries>> gather(const StudyFiles& files, LeftOut& left_out) {
+std::vector<DicomSeries> gather(const StudyFiles& files,
+                                LeftOut& left_out,
+                                std::vector<DamagedFile>& damaged) {
   std::vector<DicomSeries> all;
   std::map<std::string, std::vector<std::size_t>> by_uid;
   for (std::size_t i = 0; i < files.size(); ++i) {
@@ -149,15 +151,22 @@ Result<std::vector<DicomSeries>> gather(const StudyFiles& files, LeftOut& left_o
     if (i % 8 == 0)
       say_progress(kScanShare * static_cast<double>(i) / static_cast<double>(files.size()));
     const auto loaded = files.load(i);
-    if (!loaded) return make_error(loaded.error().code, gone_wrong(name, loaded.error()));
+    if (!loaded) {
+      damaged.push_back({name, {}, {loaded.error().code, gone_wrong(name, loaded.error())}});
+      continue;
+    }
     const auto parsed = parse_dicom(loaded->bytes);
     if (!parsed && parsed.error().code == ErrorCode::kUnsupported) {
       left_out["it is no DICOM file"].push_back(name);
       continue;
     }
-    if (!parsed)
-      return make_error(parsed.error().code,
-                        gone_wrong(name, parsed.error()) + ": copy the series again");
+    if (!parsed) {
+      damaged.push_back(
+          {name,
+           series_uid_of_damaged(loaded->bytes),
+           {parsed.error().code, gone_wrong(name, parsed.error()) + ": copy the series again"}});
+      continue;
+    }
     if (parsed->data.find(Tag::kDirectoryRecords) != nullptr) continue;
     for (auto& slice : slices_of(*parsed, i, name)) {
       if (!slice.flaw.empty()) {
@@ -216,9 +225,10 @@ std::string list_of(const std::vector<DicomSeries>& all) {
 
 }  // namespace
 
-Result<std::vector<DicomSeries>> find_series(const StudyFiles& files, const std::string& where) {
+Result<FoundSeries> find_series(const StudyFiles& files, const std::string& where) {
   LeftOut left_out;
-  MOR_TRY(auto gathered, gather(files, left_out));
+  std::vector<DamagedFile> damaged;
+  auto gathered = gather(files, left_out, damaged);
   std::vector<DicomSeries> whole;
   for (auto& series : gathered) {
     sort_along_normal(series);
@@ -245,7 +255,8 @@ Result<std::vector<DicomSeries>> find_series(const StudyFiles& files, const std:
     };
     return key(a) < key(b);
   });
-  if (!usable.empty()) return usable;
+  if (!usable.empty()) return FoundSeries{std::move(usable), std::move(damaged)};
+  if (!damaged.empty()) return tl::unexpected<Error>(damaged.front().error);
   if (left_out.empty() || (left_out.size() == 1 && left_out.contains("it is no DICOM file")))
     return make_error(ErrorCode::kUnsupported, where + " holds no DICOM file with a slice");
   left_out.erase("it is no DICOM file");
@@ -276,6 +287,20 @@ Result<DicomSeries> choose_series(std::vector<DicomSeries> all,
   return make_error(ErrorCode::kInvalidArgument,
                     where + " holds " + (named.empty() ? "no" : "more than one") + " series \"" +
                         wanted + "\", but " + list_of(all));
+}
+
+Result<void> leave_out_damaged(const std::vector<DamagedFile>& damaged, const DicomSeries& series) {
+  std::vector<std::string> names;
+  for (const auto& file : damaged) {
+    if (file.series_uid.empty() || file.series_uid == series.front().series_uid)
+      return tl::unexpected<Error>(file.error);
+    names.push_back(file.name);
+  }
+  if (!names.empty()) {
+    say_note(std::to_string(names.size()) +
+             " damaged file(s) of other series left out: " + some_of(names));
+  }
+  return {};
 }
 
 SliceStack stack_of(const DicomSeries& series) {

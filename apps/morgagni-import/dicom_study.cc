@@ -60,8 +60,9 @@ std::string description_of(const DicomSlice& slice) {
 
 Result<void> import_dicom(const fs::path& path, const std::string& wanted) {
   MOR_TRY(const auto files, open_study(path));
-  MOR_TRY(auto all, find_series(*files, path.string()));
-  MOR_TRY(DicomSeries series, choose_series(std::move(all), wanted, path.string()));
+  MOR_TRY(auto found, find_series(*files, path.string()));
+  MOR_TRY(DicomSeries series, choose_series(std::move(found.all), wanted, path.string()));
+  MOR_CHECK(leave_out_damaged(found.damaged, series));
   leave_out_strays(series);
   const SliceStack stack = stack_of(series);
   MOR_TRY(ImportHeader header, grid_for(stack));
@@ -80,8 +81,9 @@ Result<void> import_dicom(const fs::path& path, const std::string& wanted) {
 
 Result<void> list_dicom_series(const fs::path& path) {
   MOR_TRY(const auto files, open_study(path));
-  MOR_TRY(const auto all, find_series(*files, path.string()));
-  for (const auto& series : all) {
+  MOR_TRY(const auto found, find_series(*files, path.string()));
+  for (const auto& file : found.damaged) say_note(file.error.message);
+  for (const auto& series : found.all) {
     const auto& first = series.front();
     const StackShape shape = shape_of(stack_of(series));
     say_series({.uid = first.series_uid,

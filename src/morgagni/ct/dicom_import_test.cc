@@ -432,6 +432,27 @@ TEST_F(DicomImport, RefusesPhasesThatCannotBeToldApart) {
   EXPECT_THAT(error_of(folder_), HasSubstr("later"));
 }
 
+TEST_F(DicomImport, LeavesOutADamagedFileOfAnotherSeriesOnly) {
+  write_series({.series_uid = "1.2.3"}, kFive, slanted_hu, "a/");
+  write_series({.series_uid = "1.2.4", .series_number = 2}, kFive, slanted_hu, "b/");
+  const auto cut = [&](const std::string& name, std::uintmax_t num_bytes) {
+    fs::resize_file(folder_ / name, num_bytes);
+  };
+  const auto whole = fs::file_size(folder_ / "b/im3");
+  cut("b/im3", whole - 20);
+  const auto [volume, said] = read_and_hear("1");
+  ASSERT_TRUE(volume) << volume.error().message;
+  EXPECT_EQ(volume->size[2], 5);
+  EXPECT_THAT(
+      said,
+      HasSubstr("1 damaged file(s) of other series left out: " + (folder_ / "b/im3").string()));
+  EXPECT_THAT(error_of(folder_, "2"), HasSubstr("b/im3 is cut short or damaged"));
+  EXPECT_TRUE(list_ct_series(folder_, {}));
+  // Before the series' UID it may be of any.
+  cut("b/im3", 200);
+  EXPECT_THAT(error_of(folder_, "1"), HasSubstr("b/im3 is cut short or damaged"));
+}
+
 TEST_F(DicomImport, RefusesTooFewSlices) {
   write_series({}, {0, 1});
   EXPECT_THAT(error_of(folder_), HasSubstr("fewer than 3 slices"));

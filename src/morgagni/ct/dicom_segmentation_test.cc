@@ -28,6 +28,7 @@ struct SegmentationText {
   const char* syntax = kExplicit;
   std::string type = "BINARY";
   std::vector<FrameText> frames = {};
+  std::string thickness_mm = {};
   std::size_t num_missing_bytes = 0;
 };
 
@@ -74,6 +75,7 @@ std::string segmentation_file(const SegmentationText& seg) {
   DicomWriter orientation(seg.syntax);
   orientation.text(0x0020'0037, "DS", "1\\0\\0\\0\\1\\0");
   DicomWriter measures(seg.syntax);
+  if (!seg.thickness_mm.empty()) measures.text(0x0018'0050, "DS", seg.thickness_mm);
   measures.text(0x0028'0030, "DS", "2\\1");
   DicomWriter shared(seg.syntax);
   shared.sequence(0x0020'9116, {orientation.data()});
@@ -157,6 +159,22 @@ TEST_F(DicomSegmentation, TakesFromHalfAFractionOn) {
   ASSERT_TRUE(labels) << labels.error().message;
   EXPECT_EQ(labels->voxels.hu[0], 1);
   EXPECT_EQ(std::count(labels->voxels.hu.begin(), labels->voxels.hu.end(), 1), 1);
+}
+
+/// Frames in which nothing lies are often left out.
+TEST_F(DicomSegmentation, TakesASingleFrameAsThickAsItSays) {
+  for (const auto& [said, spacing_mm] : {std::pair{"5", 5.0}, std::pair{"", 1.0}}) {
+    const auto path = write(
+        "seg.dcm", segmentation_file({.frames = {{6.0, 7, only(4, 2)}}, .thickness_mm = said}));
+    const auto labels = import_label_map(path, {});
+    ASSERT_TRUE(labels) << labels.error().message;
+    const auto& voxels = labels->voxels;
+    EXPECT_EQ(voxels.size, (std::array{kColumns, kRows, 2}));
+    EXPECT_EQ(voxels.spacing_mm.z(), spacing_mm);
+    EXPECT_EQ(voxels.ct_from_grid.translation().z(), 6.0);
+    EXPECT_EQ(voxels.hu[voxels.index(4, 2, 0)], 7);
+    EXPECT_EQ(std::count(voxels.hu.begin(), voxels.hu.end(), 0), kColumns * kRows * 2 - 1);
+  }
 }
 
 TEST_F(DicomSegmentation, SaysWhatIsWrong) {
