@@ -80,11 +80,8 @@ std::vector<BoundCoverage> bound_coverage(const BoundRuns& runs,
     };
     add(group.name, in_group);
     if (group.bias_mm == 0.0) continue;
-    auto told = line(runs,
-                     calibration,
-                     group.bias_mm,
-                     group.name + ", told to the bound",
-                     in_group);
+    auto told =
+        line(runs, calibration, group.bias_mm, group.name + ", told to the bound", in_group);
     if (told.num_targets > 0) lines.push_back(std::move(told));
   }
   constexpr std::array<std::pair<double, double>, 3> kBands = {

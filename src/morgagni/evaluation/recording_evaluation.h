@@ -58,7 +58,7 @@ struct EvaluationFrame {
 struct EvaluationReport {
   RegistrationMethod method = RegistrationMethod::kField;
   std::string device = "cpu";  ///< Where it ran at the end (FineRegistration::device_name()).
-  int num_frames = 0;  ///< With a truth, and so registered.
+  int num_frames = 0;          ///< With a truth, and so registered.
   int num_starts = 0;
   int num_frames_without_truth = 0;
   double success_mm = 0.0;    ///< A run with a smaller TRE is a success.

@@ -23,7 +23,8 @@ namespace mor {
 
 struct StartEvaluationOptions {
   AutomaticStartOptions start = {};
-  BodySurfaceOptions depth = {.far_mm = kHandHeldFarMm};  ///< Of the fine registration after the start.
+  /// Of the fine registration after the start.
+  BodySurfaceOptions depth = {.far_mm = kHandHeldFarMm};
   bool knows_gravity = false;  ///< Each picture comes with the true direction of gravity, CT +y.
   /// Pictures of a moving camera that a start may take, one after the other, until one is found;
   /// 1..100.
