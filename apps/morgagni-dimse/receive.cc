@@ -25,22 +25,6 @@ constexpr Uint16 kOutOfResources = 0xA700;
 constexpr Uint16 kCannotUnderstand = 0xC000;
 constexpr int kMaxRefusalsTold = 20;
 
-/// All codings that the import reads but the deflated one, which can unpack to anything.
-std::vector<const char*> accepted_codings() {
-  return {UID_LittleEndianExplicitTransferSyntax,
-          UID_LittleEndianImplicitTransferSyntax,
-          UID_BigEndianExplicitTransferSyntax,
-          UID_JPEGProcess14SV1TransferSyntax,
-          UID_JPEGProcess14TransferSyntax,
-          UID_JPEGLSLosslessTransferSyntax,
-          UID_JPEG2000LosslessOnlyTransferSyntax,
-          UID_RLELosslessTransferSyntax,
-          UID_JPEGLSLossyTransferSyntax,
-          UID_JPEG2000TransferSyntax,
-          UID_JPEGProcess2_4TransferSyntax,
-          UID_JPEGProcess1TransferSyntax};
-}
-
 /// What cases are made of, then what else studies consist of, as far as an association goes.
 std::vector<const char*> accepted_kinds() {
   constexpr std::size_t kMaxKinds = 127;  // And C-ECHO.
@@ -74,10 +58,10 @@ class Receiver : public DcmSCP {
     config.setDIMSETimeout(task_.timeout_s);
     config.setHostLookupEnabled(OFFalse);
     config.setTransportLayer(tls);
-    OFList<OFString> codings;
-    for (const char* coding : accepted_codings()) codings.push_back(coding);
     OFList<OFString> plain;
     for (const auto& coding : plain_codings()) plain.push_back(coding.c_str());
+    OFList<OFString> codings = plain;
+    for (const auto& coding : further_codings()) codings.push_back(coding.c_str());
     auto status = config.addPresentationContext(UID_VerificationSOPClass, plain);
     for (const char* kind : accepted_kinds())
       if (status.good()) status = config.addPresentationContext(kind, codings);

@@ -24,26 +24,13 @@ constexpr std::array kWanted = {UID_CTImageStorage,
                                 UID_EncapsulatedSTLStorage,
                                 UID_SecondaryCaptureImageStorage};
 
-/// Beside the plain ones: what the import reads, but for the deflated one, which can unpack to
-/// anything.
-constexpr std::array kFurtherCodings = {UID_BigEndianExplicitTransferSyntax,
-                                        UID_JPEGProcess14SV1TransferSyntax,
-                                        UID_JPEGProcess14TransferSyntax,
-                                        UID_JPEGLSLosslessTransferSyntax,
-                                        UID_JPEG2000LosslessOnlyTransferSyntax,
-                                        UID_RLELosslessTransferSyntax,
-                                        UID_JPEGLSLossyTransferSyntax,
-                                        UID_JPEG2000TransferSyntax,
-                                        UID_JPEGProcess2_4TransferSyntax,
-                                        UID_JPEGProcess1TransferSyntax};
-
 /// Each coding for itself, so that the peer can send every object as it keeps it.
 std::vector<Proposal> retrieve_proposals() {
   std::vector<Proposal> all = {
       {UID_GETStudyRootQueryRetrieveInformationModel, plain_codings(), ASC_SC_ROLE_DEFAULT}};
   for (const char* kind : kWanted) {
     for (const auto& coding : plain_codings()) all.push_back({kind, {coding}, ASC_SC_ROLE_SCP});
-    for (const char* coding : kFurtherCodings) all.push_back({kind, {coding}, ASC_SC_ROLE_SCP});
+    for (const auto& coding : further_codings()) all.push_back({kind, {coding}, ASC_SC_ROLE_SCP});
   }
   return all;
 }

@@ -57,6 +57,19 @@ std::vector<std::string> plain_codings() {
   return {UID_LittleEndianExplicitTransferSyntax, UID_LittleEndianImplicitTransferSyntax};
 }
 
+std::vector<std::string> further_codings() {
+  return {UID_BigEndianExplicitTransferSyntax,
+          UID_JPEGProcess14SV1TransferSyntax,
+          UID_JPEGProcess14TransferSyntax,
+          UID_JPEGLSLosslessTransferSyntax,
+          UID_JPEG2000LosslessOnlyTransferSyntax,
+          UID_RLELosslessTransferSyntax,
+          UID_JPEGLSLossyTransferSyntax,
+          UID_JPEG2000TransferSyntax,
+          UID_JPEGProcess2_4TransferSyntax,
+          UID_JPEGProcess1TransferSyntax};
+}
+
 Scu::Scu(const Task& task) : task_(task), store_(task) {
   setPeerHostName(task.host.c_str());
   setPeerPort(task.port);

@@ -26,6 +26,9 @@ struct Proposal {
 /// Explicit and implicit little endian: what every peer speaks.
 [[nodiscard]] std::vector<std::string> plain_codings();
 
+/// What the import reads beside them, but for the deflated one, which can unpack to anything.
+[[nodiscard]] std::vector<std::string> further_codings();
+
 /// DCMTK's requestor with our limits: it hands matches to the parent, and writes what C-GET brings
 /// as it comes.
 class Scu : public DcmSCU {
